@@ -6,13 +6,14 @@
 //
 // CONTRACT
 //   Functions only: no bindings, no entry points. Each of bokeh_paper.glsl, bokeh_layers.glsl and
-//   bokeh_lens.glsl needs this file before it and no other; bokeh_passes.glsl has ready-made
-//   programs of what stands before it.
+//   bokeh_lens.glsl needs only this file before it; bokeh_passes.glsl has ready-made programs for
+//   the functions of the files before it.
 //   In    colour: linear, HDR, before bloom and tone mapping; the engine's depth buffer.
 //   Out   colour blurred by a polygonal aperture; alpha = signed CoC.
-//   CoC   circle of confusion: a DIAMETER as a fraction of the image height; below 0: near field.
+//   CoC   circle of confusion: a DIAMETER, as a fraction of the image height; negative in front of
+//         the focus.
 //   uv    0 .. 1, v = 0 at the first row in memory. This file never flips.
-//   Targets between the passes: RGBA16F, linear filter, clamp; blending off: alpha is data.
+//   Targets between the passes: RGBA16F, linear filter, clamp. Blending off, since alpha is data.
 //
 // PASTE: the whole effect as an exact hexagon, three passes. Each program is your #version line
 //   (330, 300 es, 450 or later), this file, and one of these blocks. Blending off. Under Vulkan put
@@ -80,18 +81,19 @@
 // [1] configuration
 //
 //   name                     default   range   meaning
-//   BOKEH_NUM_SAMPLES        9         2 ..    samples on a line, at most; the preset sets it
-//   BOKEH_SPACING            1.5       >= 0    pixels between; the preset sets it; 0.0: all, always
-//   BOKEH_VIEWPORT           0         0, 1    1: the image is a part of its textures
-//   BOKEH_SIDES              0         0, 4 .. sides of the polygon in place of BokehSides: layered
-//                                              is faster where compilers know them; 0: any
-//   BOKEH_DEPTH_MULTISAMPLED 0         0, 1    1: depth is multisampled, its first sample is read
-//   BOKEH_MAX_COLOR          65504.0           brighter colour is cut off here: what a half float
-//                                              holds; lower, it is the clamp against fireflies
+//   BOKEH_NUM_SAMPLES        9         2 ..    most samples on a line; the preset sets it
+//   BOKEH_SPACING            1.5       >= 0    pixels between samples; the preset sets it; with 0.0
+//                                              every line has all BOKEH_NUM_SAMPLES
+//   BOKEH_VIEWPORT           0         0, 1    1: the image fills only a part of its textures
+//   BOKEH_SIDES              0         0, 4 .. number of sides, instead of BokehSides: `layered` is
+//                                              faster if compilers know it; 0: any number
+//   BOKEH_DEPTH_MULTISAMPLED 0         0, 1    1: depth is multisampled; its first sample is read
+//   BOKEH_MAX_COLOR          65504.0           limit of brighter colours: the largest half float; a
+//                                              lower limit removes fireflies
 //
-//   Presets: define one before this file; in WGSL set both constants. Fetches: per pixel, colour
-//   and depth, in the three passes of the exact hexagon; beside a light, one more of depth. Smooth:
-//   up to this CoC in pixels samples are as close as the spacing.
+//   Presets: define one before this file; in WGSL set both constants. `fetches` are those of colour
+//   and depth per pixel, in the three passes of an exact hexagon; a pixel beside a light takes one
+//   more of depth. `smooth` is the CoC in pixels up to which samples are as close as the spacing.
 //
 //   preset                  samples    spacing  fetches  smooth
 //   BOKEH_PRESET_LOW        5          2.0      28       20
@@ -143,7 +145,7 @@
 #ifndef BOKEH_MAX_COLOR
 #define BOKEH_MAX_COLOR 65504.0
 #endif
-// metres: what replaces zero and negative depth, and infinite
+// metres: BOKEH_MIN_DEPTH replaces zero and negative depth, BOKEH_MAX_DEPTH infinite depth
 #define BOKEH_MIN_DEPTH 0.000001
 #define BOKEH_MAX_DEPTH 1000000000.0
 
@@ -154,10 +156,11 @@
 // -------------------------------------------------------------------------------------------------
 // [2] porting: the one place where the three languages differ
 //
-//   A texture and its sampler are one parameter. To fetch in your own way (texture arrays for
-//   stereo, bindless textures) define BOKEH_CUSTOM_FETCH and, before this file, what stands inside
-//   of it. highp: OpenGL ES has no default precision for float in fragment shaders, and half
-//   precision can neither address a 4K image nor hold a sum of HDR colours.
+//   A texture and its sampler are one parameter. To fetch in another way (texture arrays for
+//   stereo, bindless textures), define BOKEH_CUSTOM_FETCH before this file, and supply the types
+//   and fetch functions that it guards below.
+//   highp: OpenGL ES has no default precision for float in fragment shaders, and half precision can
+//   neither address a 4K image nor hold a sum of HDR colours.
 
 #ifdef GL_ES
 #if __VERSION__ < 300
@@ -177,7 +180,7 @@ precision highp sampler2D;
 #endif
 #ifndef BOKEH_CUSTOM_FETCH
 
-// BOKEH_TEXTURE: the type of a texture; BOKEH_DEPTH_TEXTURE: of the engine's depth buffer
+// BOKEH_TEXTURE is the type of a texture, BOKEH_DEPTH_TEXTURE that of the engine's depth buffer
 #define BOKEH_TEXTURE sampler2D
 #if BOKEH_DEPTH_MULTISAMPLED > 0
 #define BOKEH_DEPTH_TEXTURE sampler2DMS
@@ -187,14 +190,14 @@ precision highp sampler2D;
 #define BOKEH_DEPTH_SIZE(tex) textureSize(tex, 0)
 #endif
 
-// Porting: one filtered fetch at level 0, without gradients: it may be in a loop or a branch
+// Porting: fetches with the filter from mip level 0, without gradients: allowed in loops, branches
 //   coords        texture uv
 vec4 BokehFetchTexture(BOKEH_TEXTURE tex, vec2 coords)
 {
     return textureLod(tex, coords, 0.0);
 }
 
-// Porting: the texel at a place, whatever filter the texture has
+// Porting: fetches one texel, whatever filter the texture has
 vec4 BokehFetchTexel(BOKEH_TEXTURE tex, vec2 coords)
 {
     ivec2 size = textureSize(tex, 0);
@@ -202,8 +205,8 @@ vec4 BokehFetchTexel(BOKEH_TEXTURE tex, vec2 coords)
     return texelFetch(tex, min(texel, size - ivec2(1, 1)), 0);
 }
 
-// Porting: the same of the engine's depth buffer; the first sample where there are several
-//   OpenGL ES calls a 32-bit float texture with a linear filter incomplete: set nearest there.
+// Porting: fetches one texel of the engine's depth buffer; of a multisampled one the first sample
+//   In OpenGL ES a 32-bit float texture with a linear filter is incomplete: set a nearest filter.
 float BokehFetchDepth(BOKEH_DEPTH_TEXTURE tex, vec2 coords)
 {
     ivec2 size = BOKEH_DEPTH_SIZE(tex);
@@ -213,15 +216,17 @@ float BokehFetchDepth(BOKEH_DEPTH_TEXTURE tex, vec2 coords)
 
 #endif
 
-// where the image lies in its textures, in their uv: corner, size; then the bounds of the fetches
+// where the image lies in its textures, in texture uv: corner and size; the bounds of fetches
 vec4 BokehViewport = vec4(0.0, 0.0, 1.0, 1.0);
 vec4 BokehViewportBounds = vec4(0.0, 0.0, 1.0, 1.0);
 
-// Porting: the image is a part of its textures (dynamic resolution); call it first
-//   What is around the image is not read: it may hold anything. The bounds are 1/128 texel inside
-//   the centres of the outermost texels, since filtering reads texels of zero weight too, and 0
-//   times NaN is NaN; devices place a sample to 1/256.
-//   viewport      x, y of its first pixel, width, height; pixels, 2 x 2 or more; as textureSize
+// Porting: tells the library that the image fills only a part of its textures; call it first
+//   For dynamic resolution and split screen. Texels around the image are never read, so they may
+//   hold anything. The bounds lie 1/128 texel inside the centres of the outermost texels: filtering
+//   also reads texels of zero weight, 0 times NaN is NaN, and devices place a sample to 1/256
+//   texel.
+//   viewport      x, y of its first pixel, width, height; pixels, at least 2 x 2
+//   textureSize   width and height of the textures, pixels
 void BokehSetViewport(vec4 viewport, vec2 textureSize)
 {
     if (BOKEH_VIEWPORT > 0)
@@ -233,7 +238,7 @@ void BokehSetViewport(vec4 viewport, vec2 textureSize)
     }
 }
 
-// Porting: image uv to texture uv
+// Porting: converts image uv to texture uv
 vec2 BokehToTexture(vec2 uv)
 {
     vec2 coords = uv;
@@ -245,7 +250,7 @@ vec2 BokehToTexture(vec2 uv)
     return coords;
 }
 
-// Porting: one filtered fetch at image uv
+// Porting: fetches with the filter, at image uv
 vec4 BokehFetch(BOKEH_TEXTURE tex, vec2 uv)
 {
     return BokehFetchTexture(tex, BokehToTexture(uv));
@@ -254,10 +259,12 @@ vec4 BokehFetch(BOKEH_TEXTURE tex, vec2 uv)
 // -------------------------------------------------------------------------------------------------
 // [3] Listing 1: circle of confusion
 
-// Listing 1: the lens and the sensor (section 4.1); metres but where it says otherwise
+// Listing 1: describes the lens and the sensor (section 4.1); metres unless it says otherwise
 //   apertureDiameter  A, the focal length f / the f-stop
-//   focusDistance     S1, more than f: no lens can focus nearer, and all but S1 gets maxCoC then
-//   maxCoC            largest CoC allowed, fraction of the image height
+//   focusDistance  S1, more than f; no lens can focus nearer, and then everything but S1 gets
+//                 maxCoC
+//   sensorHeight  height of the sensor or film
+//   maxCoC        largest CoC allowed, fraction of the image height
 struct BokehLens
 {
     float apertureDiameter;
@@ -267,7 +274,7 @@ struct BokehLens
     float maxCoC;
 };
 
-// Listing 1: a BokehLens in one expression, with a sensor of 35 mm film
+// Listing 1: makes a BokehLens with a 35 mm sensor (0.024 m high) and a maxCoC of 0.1; metres
 BokehLens BokehMakeLens(float apertureDiameter, float focalLength, float focusDistance)
 {
     BokehLens lens;
@@ -279,14 +286,14 @@ BokehLens BokehMakeLens(float apertureDiameter, float focalLength, float focusDi
     return lens;
 }
 
-// Listing 1: CoC of a thin lens, with a sign: below 0 the pixel is nearer than the focus distance
-//   It grows with depth, so it is all that the leakage test needs to know of depth.
+// Listing 1: computes the CoC of a thin lens, negative where the pixel is nearer than the focus
+//   The signed CoC grows with depth, so the leakage test needs nothing else to compare depths.
 //
 //      +maxCoC            ,--------     far field: > 0, also in a CoC map painted by hand
 //            0 - - - - -/- - - - - -> depth
 //      -maxCoC --------'  focus         near field: < 0
 //   depth         S2, metres, > 0
-//   returns       fraction of the image height; an infinite focus distance is BOKEH_MAX_DEPTH
+//   returns       fraction of the image height; an infinite focus distance acts as BOKEH_MAX_DEPTH
 float BokehSignedCoC(float depth, BokehLens lens)
 {
     float focus = min(lens.focusDistance, BOKEH_MAX_DEPTH);
@@ -300,9 +307,9 @@ float BokehSignedCoC(float depth, BokehLens lens)
     return CoC;
 }
 
-// Listing 1: bad input made safe: NaN and what is below `least` become that, infinity `most`
-//   NaN fails this comparison; max() may return either operand. fxc for shader model 3 turns > into
-//   the opposite comparison, which NaN passes: it has to be >=.
+// Listing 1: limits a value to minimum .. maximum, and replaces NaN by the minimum
+//   NaN fails the comparison below, while max() may return either operand. fxc for shader model 3
+//   turns > into the opposite comparison, which NaN passes, so it has to be >=.
 float BokehSanitize(float value, float minimum, float maximum)
 {
     float safe = minimum;
@@ -313,18 +320,16 @@ float BokehSanitize(float value, float minimum, float maximum)
     return safe;
 }
 
-// Listing 1: what the engine's depth buffer holds to metres along the view axis, made safe
-//   kind          0 metres (planar, not the length of the ray)
-//                 1 window depth, 0 (near) .. 1 (far), as depth textures have it
-//                 2 reversed: 1 (near) .. 0 (far)
-//                 3 reversed without a far plane: 1 (near) .. 0 (infinite)
-//                 4 clip space, -1 (near) .. 1 (far): z / w in OpenGL
-//                 5, 6 of an orthographic camera, and that reversed
-//                 7 a fraction of the far plane, as Listing 1 has it
-//                 8 logarithmic: log(1 + metres) / log(1 + far) (three.js's WebGLRenderer)
-//   near, far     planes of the camera, metres; 0 < near < far in kinds 1 to 4
-//   returns       the sky is at far; in kind 3, and in kind 1 where near is below far / 2^24, at
-//                 BOKEH_MAX_DEPTH
+// Listing 1: converts a value of the engine's depth buffer to metres along the view axis
+//   kind          0 metres (planar, not the length of the ray) 1 window depth, 0 (near) .. 1 (far),
+//                 as depth textures have it 2 reversed: 1 (near) .. 0 (far) 3 reversed without a
+//                 far plane: 1 (near) .. 0 (infinite) 4 clip space, -1 (near) .. 1 (far): z / w in
+//                 OpenGL 5 window depth of an orthographic camera; 6 that reversed 7 a fraction of
+//                 the far plane, as in Listing 1 8 logarithmic: log(1 + metres) / log(1 + far)
+//                 (three.js's WebGLRenderer)
+//   nearPlane, farPlane  planes of the camera, metres; 0 < near < far in kinds 1 to 4
+//   returns       finite and > 0; the sky is at the far plane, or at BOKEH_MAX_DEPTH in kind 3, and
+//                 in kind 1 if near is below far / 2^24
 float BokehLinearDepth(float stored, int kind, float nearPlane, float farPlane)
 {
     float depth = stored;
@@ -372,7 +377,7 @@ float BokehLinearDepth(float stored, int kind, float nearPlane, float farPlane)
     return BokehSanitize(depth, BOKEH_MIN_DEPTH, BOKEH_MAX_DEPTH);
 }
 
-// Listing 1: colour as it is, CoC beside it in alpha
+// Listing 1: puts a CoC into the alpha of a colour, and replaces invalid channels
 //   returns       what every later pass reads: rgb finite and >= 0, a = CoC
 vec4 BokehPackCoC(vec4 color, float CoC)
 {
@@ -474,13 +479,15 @@ vec4 BokehSignedCoCMap(BOKEH_TEXTURE ColorSamp, BOKEH_DEPTH_TEXTURE DepthSamp, v
 // -------------------------------------------------------------------------------------------------
 // [4] samples along a line
 
-// Lines: how a line is sampled, and the leakage test of Listing 3
-//   aspectRatio   width / height of the image; imageHeight: pixels
-//   spacing       pixels between samples, > 0; with BOKEH_SPACING 0.0 it does not count
-//   jitter        noise, -0.5 .. 0.5, where samples are farther apart than a pixel; 0 = none
-//   bleedingBias  CoC difference that still passes, fraction of the image height; 2: no test;
-//                 neither this nor bleedingMult has an effect on the hexagon of [5]
-//   bleedingMult  weight for each unit of CoC of a sample that does not pass
+// Lines: says how a line is sampled, and what the leakage test of Listing 3 lets pass
+//   aspectRatio   width / height of the image
+//   imageHeight   pixels
+//   spacing       pixels between samples, > 0; ignored with BOKEH_SPACING 0.0
+//   jitter        noise, -0.5 .. 0.5, for samples that are more than a pixel apart; 0 = none
+//   bleedingBias  CoC difference that still passes, fraction of the image height; 2 turns the test
+//                 off; without effect on the hexagon of [5]
+//   bleedingMult  weight per unit of CoC of a sample that does not pass; without effect on the
+//                 hexagon of [5]
 struct BokehSamplingSettings
 {
     float aspectRatio;
@@ -491,7 +498,8 @@ struct BokehSamplingSettings
     float bleedingMult;
 };
 
-// Lines: settings without jitter; imageSize: width, height; pixels
+// Lines: makes settings without jitter
+//   imageSize     width and height, pixels
 BokehSamplingSettings BokehDefaultSampling(vec2 imageSize)
 {
     BokehSamplingSettings settings;
@@ -504,8 +512,11 @@ BokehSamplingSettings BokehDefaultSampling(vec2 imageSize)
     return settings;
 }
 
-// Lines: the CoC that the filter uses, 0 where the pixel is in focus: below half a pixel
-//   It fades in up to one pixel: no contour shows. (fxc drops the abs of 2 - 2 abs(x) for SM3.)
+// Lines: returns the CoC to filter with: 0 in focus, that is below half a pixel
+//   It fades in up to one pixel, so that no contour shows where the blur begins.
+//   CoC           fraction of the image height, without a sign
+//   imageHeight   pixels
+//   (fxc for shader model 3 drops the abs of 2 - 2 abs(x).)
 float BokehFilterCoC(float CoC, float imageHeight)
 {
     float filterCoC = CoC;
@@ -516,12 +527,13 @@ float BokehFilterCoC(float CoC, float imageHeight)
     return filterCoC;
 }
 
-// Lines: number of cells on a line, one sample each; not a whole number
-//   Cells are `spacing` pixels long, or longer where BOKEH_NUM_SAMPLES of them would not fill the
-//   line. Cell i weighs clamp(cells - i, 0, 1):
+// Lines: returns the number of samples on a line, which need not be a whole number
+//   A sample stands for `spacing` pixels, or for more if BOKEH_NUM_SAMPLES of them would not fill
+//   the line. Sample i has the weight clamp(samples - i, 0, 1):
 //
-//      |---|---|---|---|-|     4.2 cells, 5 samples: the last cell grows from nothing as the line
-//        ^   ^   ^   ^  ^      does, so that the result does not jump where the sample count does
+//      |---|---|---|---|-|     4.2: five samples. The last piece grows from nothing as the line
+//        ^   ^   ^   ^  ^      grows, so the result does not jump when a sample is added.
+//   lengthInPixels, spacing  pixels
 float BokehSampleCount(float lengthInPixels, float spacing)
 {
     float samples = float(BOKEH_NUM_SAMPLES);
@@ -532,12 +544,14 @@ float BokehSampleCount(float lengthInPixels, float spacing)
     return samples;
 }
 
-// Lines: weight of one sample against intensity leakage (section 2.1), from signed CoC alone: the
-//   test of Listing 3, with its weight squared
-//   Behind the focus a sharper sample is a nearer one; in front of it centerCoC is below 0, and
-//   every sample counts. The test sets in around the bias: a step would make outlines pop. In the
-//   second pass a rejected sample also displaces what its own line would have gathered; squared
-//   weights make up for that. 0.001: half floats' rounding must not reject a surface's own samples.
+// Lines: returns the weight of one sample against intensity leakage, from signed CoC alone
+//   This is the test of Listing 3 (section 2.1) with its weight squared. Behind the focus, a
+//   sharper sample is a nearer one. In front of the focus centerCoC is below 0, and every sample
+//   passes. The test fades in around the bias, because a step would make outlines pop. The weight
+//   is squared because a sample that the second pass rejects also displaces what its own line had
+//   gathered. The bias is at least 0.001, or the rounding of half floats would reject samples of
+//   the pixel's own surface.
+//   sampleCoC, centerCoC  signed, fractions of the image height
 float BokehSignedLeakageWeight(float sampleCoC, float centerCoC, BokehSamplingSettings settings)
 {
     float scale = 1.0 / max(settings.bleedingBias, 0.001);
@@ -546,7 +560,9 @@ float BokehSignedLeakageWeight(float sampleCoC, float centerCoC, BokehSamplingSe
     return 1.0 - rejected * (1.0 - weight * weight);
 }
 
-// Lines: colour of a weighted sum, or of centerPixel where all weights are 0; the CoC stays
+// Lines: divides a weighted sum by its weight, or returns centerPixel if all weights are 0
+//   sum           rgb = colour times weight, a = weight
+//   returns       rgb = colour, a = CoC of centerPixel
 vec4 BokehResolved(vec4 sum, vec4 centerPixel)
 {
     vec4 result = centerPixel;
@@ -560,25 +576,28 @@ vec4 BokehResolved(vec4 sum, vec4 centerPixel)
 // -------------------------------------------------------------------------------------------------
 // [5] exact polygons
 //
-//   A polygon is cut into parallelograms that do not overlap. Their blurs are ADDED: no light is
-//   lost as by min. The first pass blurs along all edges of one half of the outline but the last,
-//   the second along all but the first: docs/methods/exact.md.
+//   A polygon is cut into parallelograms that do not overlap, and their blurs are ADDED, so that no
+//   light is lost (min loses some). The first pass blurs along all edges of one half of the outline
+//   but the last, the second pass along all but the first: docs/methods/exact.md.
 //
 //           edge 2            edges 1, 2, 3 of a hexagon; the other half of the outline is the
-//          ,-' '-,  edge 1    same, turned.
+//          ,-' '-,  edge 1    same, rotated.
 //   edge 3 |     |            first pass   strip2 = blur along 1; strip3 = along 1 and 2, weighted
 //          '-, ,-'            second pass  strip2 blurred along 2, strip3 along 3: 1/3 + 2/3
 //
 //   A polygon of 4, 6, 8 or 10 sides has 1, 2, 3 or 4 such targets.
 
-// Exact: the aperture: its edges, one half of the outline, for a CoC of 1
+// Exact: describes the aperture by one half of its outline, for a CoC of 1
 //   Edge k points along 360 k / sides + 90 degrees, before axis and squeeze.
-//   sides         4, 6, 8 or 10; where it is a literal, what it does not need is compiled away
-//   axis          cos, sin of the rotation
+//   sides         4, 6, 8 or 10; if it is a literal, compilers remove the code of other polygons
+//   axis          cos and sin of the rotation
 //   squeeze       width of the bokeh / its height: 1, or 0.5 for the oval of an anamorphic lens
-//   lengths       of edges 1 to 4; fifth: of edge 5; of which sides / 2 count
-//   corner        where edge 1 begins; mean: of the middles of all edges but the last; area: of the
-//                 polygon: what follows from the lengths (BokehUpdatePolygon of bokeh_lens)
+//   lengths       of edges 1 to 4, of which sides / 2 are used
+//   fifth         length of edge 5
+//   corner        where edge 1 begins
+//   mean          mean of the middles of all edges but the last
+//   area          of the polygon; corner, mean and area follow from the lengths, see
+//                 BokehUpdatePolygon of bokeh_lens
 struct BokehPolygon
 {
     int sides;
@@ -591,7 +610,7 @@ struct BokehPolygon
     float area;
 };
 
-// Exact: what the first pass writes, and the second one blurs along edges 2 to 5
+// Exact: holds what the first pass writes; the second pass blurs strip k along edge k
 struct BokehTargets
 {
     vec4 strip2;
@@ -600,8 +619,10 @@ struct BokehTargets
     vec4 strip5;
 };
 
-// Exact: a regular polygon, its corners on the circle of confusion
-//   rotation      radians; 0 has an upright edge at the right, as `paper` has it
+// Exact: makes a regular polygon with its corners on the circle of confusion
+//   sides         4, 6, 8 or 10
+//   rotation      radians; 0: one edge is upright at the right, as in `paper`
+//   squeeze       width of the bokeh / its height
 BokehPolygon BokehMakePolygon(int sides, float rotation, float squeeze)
 {
     float halfStep = 3.14159265 / float(sides);
@@ -619,22 +640,23 @@ BokehPolygon BokehMakePolygon(int sides, float rotation, float squeeze)
     return polygon;
 }
 
-// Exact: a vector rotated, from +x towards +y
-//   axis          (cos, sin) of the angle
+// Exact: rotates a vector from +x towards +y
+//   axis          cos and sin of the angle
 vec2 BokehRotated(vec2 direction, vec2 axis)
 {
     return vec2(direction.x * axis.x - direction.y * axis.y, direction.x * axis.y + direction.y *
         axis.x);
 }
 
-// Exact: (cos, sin) of the angle from one edge to the next, k times
+// Exact: returns cos and sin of k times the angle from one edge to the next
 vec2 BokehTurn(float k, BokehPolygon polygon)
 {
     float angle = 6.28318531 / float(polygon.sides) * k;
     return vec2(cos(angle), sin(angle));
 }
 
-// Exact: length of edge k, 1 .. sides: those from sides / 2 + 1 on are opposite to the first half
+// Exact: returns the length of edge k, in units of the CoC
+//   k             1 .. sides; edges from sides / 2 + 1 on are opposite to those of the first half
 float BokehEdgeLength(int k, BokehPolygon polygon)
 {
     int edge = k;
@@ -662,22 +684,22 @@ float BokehEdgeLength(int k, BokehPolygon polygon)
     return edgeLength;
 }
 
-// Exact: edge k from its beginning to its end, upright
+// Exact: returns edge k from its beginning to its end, before rotation and squeeze
 vec2 BokehEdge(int k, BokehPolygon polygon)
 {
     vec2 outwards = BokehTurn(float(k), polygon);
     return vec2(-outwards.y, outwards.x) * BokehEdgeLength(k, polygon);
 }
 
-// Exact: the line of edge k in one of the two passes
-//   On the outline all samples of the first pass would be on one side of the pixel. So it is moved
-//   by the mean of its lines to the middle, and the second pass back.
+// Exact: returns the line along which edge k is blurred in one of the two passes
+//   With lines on the outline, all samples of the first pass would lie on one side of the pixel.
+//   The first pass is therefore shifted by the mean of its lines, and the second pass back again.
 //   returns       xy = middle, zw = from the middle to the end, units of the CoC
 vec4 BokehEdgeLine(int k, BokehPolygon polygon, bool secondPass)
 {
     vec2 halfEdge = BokehEdge(k, polygon) * 0.5;
     vec2 middle = polygon.corner - polygon.mean + halfEdge;
-    // and the edges before it
+    // plus the edges before it
     vec4 before = clamp(float(k) - vec4(1.0, 2.0, 3.0, 4.0), vec4(0.0, 0.0, 0.0, 0.0), vec4(1.0,
         1.0, 1.0, 1.0));
     middle += BokehEdge(1, polygon) * before.x + BokehEdge(2, polygon) * before.y + BokehEdge(3,
@@ -690,7 +712,8 @@ vec4 BokehEdgeLine(int k, BokehPolygon polygon, bool secondPass)
     return segment * vec4(polygon.squeeze, 1.0, polygon.squeeze, 1.0);
 }
 
-// Exact: cross products of edges 1 to 4 with edge k, for a length of 1 of that; 0 from edge k on
+// Exact: returns the cross products of edges 1 to 4 with edge k, per unit of the length of edge k
+//   returns       0 for edge k and those after it
 vec4 BokehEdgeWeights(int k, BokehPolygon polygon)
 {
     float angle = 6.28318531 / float(polygon.sides);
@@ -699,18 +722,23 @@ vec4 BokehEdgeWeights(int k, BokehPolygon polygon)
     return max(sin(steps * angle), vec4(0.0, 0.0, 0.0, 0.0)) * polygon.lengths;
 }
 
-// Exact: area of the parallelograms of edge k with the edges before it
+// Exact: returns the area of the parallelograms of edge k with the edges before it
 float BokehEdgeArea(int k, BokehPolygon polygon)
 {
     return dot(BokehEdgeWeights(k, polygon), vec4(1.0, 1.0, 1.0, 1.0)) * BokehEdgeLength(k,
         polygon);
 }
 
-// Exact: the line of edge k of a hexagon: a ray that starts at the pixel
-//   The three parallelograms of a hexagon share a corner in its middle. Drawn from there, all lines
-//   start at the pixel, and a light is on the same ray whatever its CoC: BokehRayWeight only has to
-//   compare a distance. Of a hexagon that is cut off, or has edges of several lengths, the shared
-//   corner is not the middle: the second pass moves the picture by the difference.
+// Exact: returns the line along which edge k of a hexagon is blurred, a ray from the pixel
+//   The three parallelograms of a hexagon share a corner in its centre. Drawn from there, all lines
+//   start at the pixel, and a light lies on the same ray whatever its CoC is, so BokehRayWeight
+//   only compares a distance. If a cat's eye cuts the hexagon or its edges differ in length, the
+//   shared corner is not the centre, and the second pass shifts the image by the difference.
+//
+//          ,-' '-,      the three parallelograms, and the corner o that they share
+//         |'-, ,-'|
+//         |   o   |
+//          '-,|,-'
 //   returns       as BokehEdgeLine; sample 0 is the one next to the pixel
 vec4 BokehRay(int k, BokehPolygon polygon, bool secondPass)
 {
@@ -729,20 +757,20 @@ vec4 BokehRay(int k, BokehPolygon polygon, bool secondPass)
     return segment * vec4(polygon.squeeze, 1.0, polygon.squeeze, 1.0);
 }
 
-// Exact: weight of sample i on a ray: whether the blur of the sample itself reaches this pixel
-//   Behind the focus a sample with a smaller CoC is nearer to the camera. Its blur reaches only
-//   that part of the ray which its CoC has in the CoC of this pixel, and is denser there: the light
-//   keeps its own size and its energy, and a sharp object in front does not leak. Below a quarter
-//   the density stops growing: so few samples would show as dots.
-//   In front of the focus every sample reaches this pixel, with half the weight where it is sharp
-//   or lies behind the focus: a near light is as dense on its own pixels as beside them. The half
-//   sets in over an eighth of this pixel's CoC, since a step would show in a focus pull.
-//   samples       on the ray, from BokehSampleCount
+// Exact: returns the weight of sample i on a ray: does the blur of that sample reach this pixel?
+//   Behind the focus a sample with a smaller CoC is nearer to the camera. Its blur reaches only a
+//   part of the ray, the ratio of its CoC to this pixel's, and is denser there. So a light keeps
+//   its own size and its energy, and a sharp object in front does not leak. The density stops
+//   growing below a ratio of 1/4, where the few samples left would show as dots. In front of the
+//   focus every sample reaches this pixel. One that is sharp or behind the focus has half the
+//   weight, so that a near light is as dense on its own pixels as beside them. The half fades in
+//   over an eighth of this pixel's CoC, because a step would show while the focus is pulled.
+//   samples       number of samples on the ray, from BokehSampleCount
 //   returns       x = weight; y = weight without the density; z = the part of x that belongs to the
 //                 surface of this pixel: all of it at the same CoC, none below 3/4
 vec3 BokehRayWeight(float sampleCoC, float centerCoC, float samples, int i)
 {
-    // below 0 on the other side of the focus
+    // negative on the other side of the focus
     float side = sampleCoC / centerCoC;
     float ratio = min(abs(side), 1.0);
     float reached = clamp(ratio * samples - float(i), 0.0, 1.0);
@@ -757,9 +785,9 @@ vec3 BokehRayWeight(float sampleCoC, float centerCoC, float samples, int i)
     return vec3(weight, reached, weight * clamp(4.0 * side - 3.0, 0.0, 1.0));
 }
 
-// Exact: what the samples on one line add up to
-//   sum           rgb = mean of colour times weight, a = mean weight, in the second pass times the
-//                 area of the edge's parallelograms; 0 where the pixel is in focus
+// Exact: holds the sum of the samples along one line
+//   sum           rgb = mean of colour times weight, a = mean weight; in the second pass times the
+//                 area of the edge's parallelograms; 0 if the pixel is in focus
 //   reached       brightness of the sum without the density of BokehRayWeight
 struct BokehLine
 {
@@ -767,12 +795,14 @@ struct BokehLine
     float reached;
 };
 
-// Exact: the samples along edge k, as many as its CoC needs
-//   They are not divided by their weights here: a line that lies wholly on a sharp object, almost
-//   all of it rejected, must not come back at full strength (docs/methods/exact.md).
-//   On a ray the density can bring the weights to more than one a sample. Dividing by them would
-//   darken the light; instead the surface of this pixel, which the light covers, gives up as much.
-//   rays          whether the lines are those of BokehRay
+// Exact: sums the samples along edge k, as many as the CoC of this pixel needs
+//   The sum is not divided by its weights here. A line that lies on a sharp object, and is
+//   therefore almost completely rejected, would come back at full strength (docs/methods/exact.md).
+//   On a ray the density can make the weights add up to more than one per sample. Dividing by them
+//   would darken the light. Instead the surface of this pixel gives up the excess, because the
+//   light covers it.
+//   rays          true: the lines are those of BokehRay, false: those of BokehEdgeLine
+//   centerCoC     signed, fraction of the image height
 BokehLine BokehLineSum(BOKEH_TEXTURE tex, vec2 uv, int k, BokehPolygon polygon, bool secondPass,
     bool rays, float centerCoC, BokehSamplingSettings settings)
 {
@@ -833,12 +863,12 @@ BokehLine BokehLineSum(BOKEH_TEXTURE tex, vec2 uv, int k, BokehPolygon polygon, 
     return result;
 }
 
-// Exact: what the first pass writes for edge k: the blurs along the edges before it, weighted by
-//   their parallelograms and divided once, by the sum of all weights
-//   The second pass spreads this further by the CoC in alpha. Where most of the light came from a
-//   nearer pixel with a smaller CoC, that is the one it needs: the share of the brightness that
-//   remains without the density is the ratio of the two. Elsewhere it is the CoC of this pixel.
-//   The factor 1.001 keeps rounding from changing it where all pixels have the same CoC.
+// Exact: computes strip k of the first pass from the lines along edges 1 to k - 1
+//   The lines are weighted by the areas of their parallelograms and divided once, by the sum of all
+//   weights. The second pass spreads the result by the CoC in alpha. If most of the light came from
+//   a nearer pixel with a smaller CoC, it needs that pixel's CoC: the fraction of the brightness
+//   that remains without the density is the ratio of the two. Elsewhere it is the CoC of this
+//   pixel; the factor 1.001 keeps rounding from changing it where all pixels have the same CoC.
 //   returns       rgb = colour, a = signed CoC
 vec4 BokehExactTarget(int k, BokehPolygon polygon, bool rays, BokehLine L1, BokehLine L2,
     BokehLine L3, BokehLine L4, vec4 centerPixel)
@@ -855,14 +885,15 @@ vec4 BokehExactTarget(int k, BokehPolygon polygon, bool rays, BokehLine L1, Boke
     return result;
 }
 
-// Exact: first pass, of any polygon
-//   last          sides / 2; where a pass can write one target only, the edge of that target
+// Exact: draws the first pass of any polygon
+//   Reads the CoC map and blurs it along all edges of one half of the outline but the last.
+//   last          sides / 2; if a pass can write only one target, the number of the strip to write
 BokehTargets BokehExactFirst(BOKEH_TEXTURE MapSamp, vec2 uv, int last, BokehPolygon polygon,
     BokehSamplingSettings settings)
 {
     vec4 centerPixel = BokehFetch(MapSamp, uv);
     float CoC = centerPixel.a;
-    // a hexagon has no edge 4; a program for that edge, of any polygon, has no code for rays
+    // a hexagon has no edge 4, so a program for that edge needs no code for rays
     bool rays = false;
     if (last < 4)
     {
@@ -894,17 +925,19 @@ BokehTargets BokehExactFirst(BOKEH_TEXTURE MapSamp, vec2 uv, int last, BokehPoly
     return targets;
 }
 
-// Exact: first pass of a square
-//   MapSamp       from BokehSignedCoCMap; Strip2Samp ..: from the first pass; linear filter, clamp
-//   polygon       from BokehMakePolygon(4, ..), below with 6, 8 and 10
-//   returns       strip2, below more; the second pass: rgb = colour, a = CoC, as in the map
+// Exact: draws the first pass of a square
+//   MapSamp       from BokehSignedCoCMap; linear filter, clamp
+//   polygon       from BokehMakePolygon(4, ..); for the passes below with 6, 8 and 10
+//   returns       strip2; other polygons also strip3 and so on
 BokehTargets BokehSquareFirst(BOKEH_TEXTURE MapSamp, vec2 uv, BokehPolygon polygon,
     BokehSamplingSettings settings)
 {
     return BokehExactFirst(MapSamp, uv, 2, polygon, settings);
 }
 
-// Exact: second pass of a square
+// Exact: draws the second pass of a square
+//   Strip2Samp    from the first pass; linear filter, clamp
+//   returns       rgb = colour, a = signed CoC, here and in the second passes below
 vec4 BokehSquareSecond(BOKEH_TEXTURE Strip2Samp, vec2 uv, BokehPolygon polygon,
     BokehSamplingSettings settings)
 {
@@ -913,14 +946,14 @@ vec4 BokehSquareSecond(BOKEH_TEXTURE Strip2Samp, vec2 uv, BokehPolygon polygon,
     return BokehResolved(L2.sum, pixel);
 }
 
-// Exact: first pass of a hexagon
+// Exact: draws the first pass of a hexagon: strip2 and strip3
 BokehTargets BokehHexagonFirst(BOKEH_TEXTURE MapSamp, vec2 uv, BokehPolygon polygon,
     BokehSamplingSettings settings)
 {
     return BokehExactFirst(MapSamp, uv, 3, polygon, settings);
 }
 
-// Exact: second pass of a hexagon
+// Exact: draws the second pass of a hexagon
 vec4 BokehHexagonSecond(BOKEH_TEXTURE Strip2Samp, BOKEH_TEXTURE Strip3Samp, vec2 uv,
     BokehPolygon polygon, BokehSamplingSettings settings)
 {
@@ -930,14 +963,14 @@ vec4 BokehHexagonSecond(BOKEH_TEXTURE Strip2Samp, BOKEH_TEXTURE Strip3Samp, vec2
     return BokehResolved(L2.sum + L3.sum, pixel);
 }
 
-// Exact: first pass of an octagon
+// Exact: draws the first pass of an octagon: strip2 to strip4
 BokehTargets BokehOctagonFirst(BOKEH_TEXTURE MapSamp, vec2 uv, BokehPolygon polygon,
     BokehSamplingSettings settings)
 {
     return BokehExactFirst(MapSamp, uv, 4, polygon, settings);
 }
 
-// Exact: second pass of an octagon
+// Exact: draws the second pass of an octagon
 vec4 BokehOctagonSecond(BOKEH_TEXTURE Strip2Samp, BOKEH_TEXTURE Strip3Samp,
     BOKEH_TEXTURE Strip4Samp, vec2 uv, BokehPolygon polygon, BokehSamplingSettings settings)
 {
@@ -948,14 +981,14 @@ vec4 BokehOctagonSecond(BOKEH_TEXTURE Strip2Samp, BOKEH_TEXTURE Strip3Samp,
     return BokehResolved(L2.sum + L3.sum + L4.sum, pixel);
 }
 
-// Exact: first pass of a decagon
+// Exact: draws the first pass of a decagon: strip2 to strip5
 BokehTargets BokehDecagonFirst(BOKEH_TEXTURE MapSamp, vec2 uv, BokehPolygon polygon,
     BokehSamplingSettings settings)
 {
     return BokehExactFirst(MapSamp, uv, 5, polygon, settings);
 }
 
-// Exact: second pass of a decagon
+// Exact: draws the second pass of a decagon
 vec4 BokehDecagonSecond(BOKEH_TEXTURE Strip2Samp, BOKEH_TEXTURE Strip3Samp,
     BOKEH_TEXTURE Strip4Samp, BOKEH_TEXTURE Strip5Samp, vec2 uv, BokehPolygon polygon,
     BokehSamplingSettings settings)

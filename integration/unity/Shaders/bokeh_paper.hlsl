@@ -3,13 +3,13 @@
 //
 // The method of the paper, HLSL. Version 0.3.0. Put it after bokeh.hlsl.
 // McIntosh, Riecke, DiPaola 2012, "Efficiently Simulating the Bokeh of Polygonal Apertures in a
-// Post-Process Depth of Field Shader": Listings 2-4 and the gather that they are compared with.
-// Listing 1 is in bokeh.hlsl. docs/paper.md says where this deviates, and why.
+// Post-Process Depth of Field Shader": Listings 2 to 4, and the gather that the paper compares them
+// with. Listing 1 is in bokeh.hlsl. docs/paper.md says where this code deviates, and why.
 //
 // CONTRACT
 //   Functions only: no bindings, no entry points.
-//   In    colour: linear, HDR. depth: metres along the view axis, in a texture of its own, R32F.
-//   Out   colour blurred by a polygonal aperture; alpha = CoC, without a sign.
+//   In    colour: linear, HDR. Depth: metres along the view axis, in an R32F texture.
+//   Out   colour, blurred by a polygonal aperture; alpha = CoC, without a sign.
 //
 //   colour + depth -> CoCMap -> line passes (each reads the one before, and depth) -> combine
 //
@@ -21,8 +21,8 @@
 //   star       as octagon                                     4        max
 //
 //   name                    default    range   meaning
-//   BOKEH_PAPER_SAMPLES     13         2 ..    samples on a line (section 4.3), always as many; the
-//                                              adaptive functions take those of the preset
+//   BOKEH_PAPER_SAMPLES     13         2 ..    samples on a line (section 4.3), whatever its
+//                                              length; the adaptive functions take the preset's
 
 #ifndef BOKEH_VIEWPORT
 #error put bokeh.hlsl before bokeh_paper.hlsl
@@ -38,18 +38,22 @@
 #endif
 
 // -------------------------------------------------------------------------------------------------
-// [6] Listing 1: the map
+// [6] Listing 1: the CoC map
 
-// Listing 1: depth of this pixel, made safe
+// Listing 1: returns the depth of this pixel in metres, with invalid values replaced
 float BokehPaperDepth(BOKEH_DEPTH_TEXTURE DepthSamp, float2 uv)
 {
     return BokehSanitize(BokehFetchDepth(DepthSamp, BokehToTexture(uv)), BOKEH_MIN_DEPTH,
         BOKEH_MAX_DEPTH);
 }
 
-// Listing 1: CoCMap, the first pass: no later pass sees the engine's raw colour
+// Listing 1: CoCMap, the first pass of `paper`
+//   Reads the engine's colour, and depth in metres. Writes colour and CoC into one texture, which
+//   all later passes read in place of the engine's, so only this pass has to replace invalid
+//   colours.
 //   ColorSamp     linear HDR scene colour, read texel by texel
-//   returns       rgb = colour, a = CoC
+//   DepthSamp     r = metres along the view axis
+//   returns       rgb = colour, a = CoC without a sign
 float4 BokehCoCMap(BOKEH_TEXTURE ColorSamp, BOKEH_DEPTH_TEXTURE DepthSamp, float2 uv,
     BokehLens lens)
 {
@@ -65,19 +69,20 @@ float4 BokehCoCMap(BOKEH_TEXTURE ColorSamp, BOKEH_DEPTH_TEXTURE DepthSamp, float
 //    |                              ^ this pixel
 //    v
 
-// Listing 2: the end of a line of length 1 centred on this pixel
+// Listing 2: computes the end of a line of length 1 that is centred on this pixel
 //   angle         radians
-//   aspectRatio   width / height of the image: offsets are in uv, so x shrinks by it and a
-//                 highlight is not stretched
-//   returns       uv offset for a CoC of 1; the other end of the line is the negative of it
+//   aspectRatio   width / height of the image; offsets are in uv, so x is divided by it, or
+//                 highlights would be stretched
+//   returns       uv offset for a CoC of 1; the other end of the line is its negative
 float2 BokehLineEnd(float angle, float aspectRatio)
 {
     return float2(0.5 * cos(angle) / aspectRatio, 0.5 * sin(angle));
 }
 
-// Listing 2: makeOffsets, sample i of numSamples evenly spaced from end to end of the line
-//   t runs from -1 to +1, so that the offsets are exact negatives of each other and the middle one
-//   is 0.
+// Listing 2: makeOffsets, returns the offset of sample i of numSamples along the line
+//   Samples are evenly spaced from end to end. t runs from -1 to +1, so that offsets are exact
+//   negatives of each other and the middle one is 0.
+//   lineEnd       from BokehLineEnd
 //   returns       uv offset for a CoC of 1
 float2 BokehMakeOffsets(float2 lineEnd, int i, int numSamples)
 {
@@ -86,14 +91,14 @@ float2 BokehMakeOffsets(float2 lineEnd, int i, int numSamples)
     return lineEnd * t;
 }
 
-// Listing 2, adaptive: a line of any length and place, for BokehDepthOfFieldAdaptive
+// Listing 2, adaptive: makes a line of any length and position, for BokehDepthOfFieldAdaptive
 //   angle         radians
 //   lineLength    in units of the CoC
-//   lineCenter    its middle, in units of the CoC from this pixel, x to the right, y towards the
-//                 last row; a highlight shows the line on the other side
+//   lineCenter    its middle, offset from this pixel in units of the CoC; x to the right, y towards
+//                 the last row; a highlight shows the line on the opposite side
 //   squeeze       width of the bokeh / its height, 1 = round
-//   returns       xy = middle, zw = from the middle to the end, in units of the CoC;
-//                 BokehEdgeLine returns the same
+//   returns       xy = middle, zw = from the middle to the end, in units of the CoC, as
+//                 BokehEdgeLine returns it
 float4 BokehSegment(float angle, float lineLength, float2 lineCenter, float squeeze)
 {
     float2 halfLine = float2(cos(angle), sin(angle)) * 0.5 * lineLength;
@@ -103,10 +108,12 @@ float4 BokehSegment(float angle, float lineLength, float2 lineCenter, float sque
 // -------------------------------------------------------------------------------------------------
 // [8] Listing 3: one pass of the line filter
 
-// Listing 3: weight of one sample against intensity leakage (section 2.1)
-//   A sample that is nearer to the camera and clearly sharper than this pixel would leak onto it.
-//   Its weight is its own CoC then, times bleedingMult: 0 in focus, 1 from a CoC of
-//   1 / bleedingMult up. All other samples have the weight 1.
+// Listing 3: returns the weight of one sample against intensity leakage (section 2.1)
+//   A sample that is nearer to the camera than this pixel and clearly sharper would leak onto it.
+//   Its weight is its own CoC times bleedingMult: 0 in focus, 1 from a CoC of 1 / bleedingMult. The
+//   weight of every other sample is 1.
+//   sampleDepth, centerDepth  metres
+//   sampleCoC, centerCoC  fractions of the image height, without a sign
 float BokehLeakageWeight(float sampleDepth, float sampleCoC, float centerDepth, float centerCoC,
     BokehSamplingSettings settings)
 {
@@ -118,9 +125,9 @@ float BokehLeakageWeight(float sampleDepth, float sampleCoC, float centerDepth, 
     return weight;
 }
 
-// Listing 3: the weighted average, or centerPixel where all weights are 0
+// Listing 3: divides a weighted sum by its weight; returns centerPixel if all weights are 0
 //   With an even number of samples the middle of the line is not sampled, so all may be rejected.
-//   blurCoC       true: the CoC is averaged, too; false (Figure 7): this pixel keeps its CoC
+//   blurCoC       true: the CoC is averaged too; false (Figure 7): this pixel keeps its CoC
 float4 BokehResolve(float4 color, float totalWeight, float4 centerPixel, bool blurCoC)
 {
     float4 result = centerPixel;
@@ -135,13 +142,18 @@ float4 BokehResolve(float4 color, float totalWeight, float4 centerPixel, bool bl
     return result;
 }
 
-// Listing 3: DepthOfField, the mean of the samples along one line
-//   ColorSamp     rgb = linear HDR colour, a = CoC: from BokehCoCMap or from an earlier pass;
+// Listing 3: DepthOfField, a line pass: returns the weighted mean of the samples along one line
+//   Reads the CoC map or an earlier line pass, and depth. Two such passes along different lines
+//   blur over a parallelogram.
+//
+//      CoC map --> pass 1: o-o-o-o-o  --> pass 2: along another line   =  parallelogram
+//   ColorSamp     rgb = linear HDR colour, a = CoC, from BokehCoCMap or from an earlier pass;
 //                 linear filter, clamp
-//   DepthSamp     r = depth, the same as in BokehCoCMap
+//   DepthSamp     r = metres, the same texture as in BokehCoCMap
 //   lineEnd       from BokehLineEnd
-//   settings      of which the leakage test is used; there are always BOKEH_PAPER_SAMPLES samples,
-//                 in shader model 3 254 at most
+//   settings      only its leakage test is used; a line always has BOKEH_PAPER_SAMPLES samples, at
+//                 most 254 in shader model 3
+//   blurCoC       as in BokehResolve
 float4 BokehDepthOfField(BOKEH_TEXTURE ColorSamp, BOKEH_DEPTH_TEXTURE DepthSamp, float2 uv,
     float2 lineEnd, BokehSamplingSettings settings, bool blurCoC BOKEH_SAMPLER)
 {
@@ -163,10 +175,12 @@ float4 BokehDepthOfField(BOKEH_TEXTURE ColorSamp, BOKEH_DEPTH_TEXTURE DepthSamp,
     return BokehResolve(color, totalWeight, centerPixel, blurCoC);
 }
 
-// Listing 3, adaptive: DepthOfField with as many samples as the local CoC needs
-//   The paper's future work; along a line of any length and place.
+// Listing 3, adaptive: DepthOfField with only as many samples as the local CoC needs
+//   The paper's future work, along a line of any length and position. A pixel in focus costs one
+//   fetch.
 //   segment       from BokehSegment
-//   The other parameters as in BokehDepthOfField. In focus it costs one fetch.
+//   settings      spacing, jitter and the leakage test are used
+//   The other parameters are those of BokehDepthOfField.
 float4 BokehDepthOfFieldAdaptive(BOKEH_TEXTURE ColorSamp, BOKEH_DEPTH_TEXTURE DepthSamp, float2 uv,
     float4 segment, BokehSamplingSettings settings, bool blurCoC BOKEH_SAMPLER)
 {
@@ -205,9 +219,9 @@ float4 BokehDepthOfFieldAdaptive(BOKEH_TEXTURE ColorSamp, BOKEH_DEPTH_TEXTURE De
 }
 
 // -------------------------------------------------------------------------------------------------
-// [9] Listing 4: combine by min / max
+// [9] Listing 4: combining by min or max
 
-// Listing 4: intersection (min) or union (max) of two parallelogram blurs, CoC too (section 4.5)
+// Listing 4: intersects (min) or unites (max) two parallelogram blurs and their CoC (section 4.5)
 float4 BokehCombine(float4 a, float4 b, bool useMax)
 {
     float4 result = min(a, b);
@@ -218,9 +232,12 @@ float4 BokehCombine(float4 a, float4 b, bool useMax)
     return result;
 }
 
-// Listing 4: DepthOfFieldFinal, the last line of the second parallelogram, combined with the first
+// Listing 4: DepthOfFieldFinal, blurs along the last line and combines it with another blur
+//   The last pass of a hexagon, octagon or star: it finishes the second parallelogram, and takes
+//   the minimum or maximum of that and the first one.
 //   CompareSamp   the finished first parallelogram
 //   useMax        false: intersection (hexagon, octagon); true: union (star)
+//   The other parameters are those of BokehDepthOfField.
 float4 BokehDepthOfFieldFinal(BOKEH_TEXTURE ColorSamp, BOKEH_DEPTH_TEXTURE DepthSamp,
     BOKEH_TEXTURE CompareSamp, float2 uv, float2 lineEnd, BokehSamplingSettings settings,
         bool blurCoC, bool useMax BOKEH_SAMPLER)
@@ -230,12 +247,14 @@ float4 BokehDepthOfFieldFinal(BOKEH_TEXTURE ColorSamp, BOKEH_DEPTH_TEXTURE Depth
 }
 
 // -------------------------------------------------------------------------------------------------
-// [10] naive gather
+// [10] the naive gather that the paper compares with
 
-// Section 3: gather with a table of BOKEH_PAPER_SAMPLES offsets, any shape
-//   The bokeh is their point reflection: negate a table that is drawn as the bokeh looks.
-//   KernelSamp    BOKEH_PAPER_SAMPLES x 1 texels, rg = offset in units of the CoC, x to the right,
+// Section 3: gathers with a table of BOKEH_PAPER_SAMPLES offsets, for a bokeh of any shape
+//   One pass after the CoC map, and as many fetches as the table has offsets. A gather mirrors the
+//   shape at the pixel: negate a table that has the shape as the bokeh should look.
+//   KernelSamp    BOKEH_PAPER_SAMPLES x 1 texels, rg = offset in units of the CoC; x to the right,
 //                 y towards the last row
+//   The other parameters are those of BokehDepthOfField.
 float4 BokehNaiveGather(BOKEH_TEXTURE ColorSamp, BOKEH_DEPTH_TEXTURE DepthSamp,
     BOKEH_TEXTURE KernelSamp, float2 uv, BokehSamplingSettings settings, bool blurCoC BOKEH_SAMPLER)
 {
@@ -260,9 +279,11 @@ float4 BokehNaiveGather(BOKEH_TEXTURE ColorSamp, BOKEH_DEPTH_TEXTURE DepthSamp,
     return BokehResolve(color, totalWeight, centerPixel, blurCoC);
 }
 
-// Section 3: gather over a parallelogram grid, offsets computed instead of read (Table 1)
-//   BOKEH_PAPER_SAMPLES is the number along a side: 4, 8, 12, 16, 20, 24 for the counts of Table 1.
+// Section 3: gathers over a grid in a parallelogram, with computed offsets (Table 1)
+//   BOKEH_PAPER_SAMPLES is the number of samples along a side: 4, 8, 12, 16, 20, 24 for the counts
+//   of Table 1.
 //   lineEndU, lineEndV  the two sides, from BokehLineEnd
+//   The other parameters are those of BokehDepthOfField.
 float4 BokehNaiveGrid(BOKEH_TEXTURE ColorSamp, BOKEH_DEPTH_TEXTURE DepthSamp, float2 uv,
     float2 lineEndU, float2 lineEndV, BokehSamplingSettings settings, bool blurCoC BOKEH_SAMPLER)
 {

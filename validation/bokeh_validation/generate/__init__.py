@@ -35,7 +35,7 @@ PLANNED = [(method, aperture) for method in ("exact", "layered") for aperture in
 # So there is no BOKEH_VIEWPORT; a viewport of Godot's is always full.
 NOT_IN_GODOT = (
     r"#ifdef GL_ES\n.*?\n#endif\n#endif\n\n",
-    r"// where the image lies in its textures.*?(?=// Porting: image uv)",
+    r"// where the image lies in its textures.*?(?=// Porting: converts image uv)",
     r"    if \(BOKEH_VIEWPORT > 0\)\n    \{\n        coords = clamp\(BokehViewport.*?\n    \}\n",
 )
 

@@ -39,7 +39,7 @@ def said(code: int) -> str:
 
 def test_a_comment_draws_nothing(edit, monkeypatch):
     assert said(0) == "no shader differs from the last commit: nothing to check\n"
-    edit("bokeh", "// Listing 1: colour as it is,", "// Listing 1: colour as it was,")
+    edit("bokeh", "// Listing 1: puts a CoC", "// Listing 1: put a CoC")
     monkeypatch.setattr(check.drivers, "load", None)
     text = said(0)
     assert text.startswith("changed: no function\n0 problems") and "on no driver" in text

@@ -51,8 +51,8 @@ LIBRARY = {
     "the spelling of a literal": "([[0.5=>.5]] * cos(halfStep)",
     "a swizzle assigned": "        [[=>sum.rgb += weight; ]]sum = sum / samples;",
     "a default in the table": "//   BOKEH_MAX_COLOR          [[65504=>65500]].0",
-    "a character that is not ASCII": "Listing 1: CoC of a thin lens[[=> \u00e9]]",
-    "a backslash at the end of a line": "with a sensor of 35 mm film[[=>\\]]\n",
+    "a character that is not ASCII": "Listing 1: computes the CoC of a thin lens[[=> \u00e9]]",
+    "a backslash at the end of a line": "and a maxCoC of 0.1; metres[[=>\\]]\n",
     "no licence line": "[[// SPDX-License-Identifier: MIT\n=>]]",
     "a version": "Version 0.3.[[0=>1]].",
     "a block comment": "    [[=>/* why */ ]]return filterCoC;",
@@ -64,11 +64,11 @@ LIBRARY = {
     "sampling past BokehFetch": "PackCoC([[BokehFetchTexel=>texture]](ColorSamp, ",
     "a value of a preset": ("#define BOKEH_PRESET_SAMPLES [[9=>8]]", "//   BOKEH_PRESET_MEDIUM     [[9=>8]] "),
     "a helper without the prefix": tuple(
-        f"[[=>// Lines: x\n{one.format('saturated')}]]// Lines: colour" for one in HELPER
+        f"[[=>// Lines: x\n{one.format('saturated')}]]// Lines: divides" for one in HELPER
     ),
     "a global": (
-        "[[=>const float bokehX = 1.0;\n]]// Lines: colour",
-        "[[=>const bokehX: f32 = 1.0;\n]]// Lines: colour",
+        "[[=>const float bokehX = 1.0;\n]]// Lines: divides",
+        "[[=>const bokehX: f32 = 1.0;\n]]// Lines: divides",
     ),
 }
 PAPER = {
@@ -138,7 +138,7 @@ def test_line_breaks_do_not_matter_and_places_of_functions_do(language):
     assert not parity.check(mutated("bokeh", language, change))
     key = FILES["bokeh"][language]
     (function,) = (one[0] for one in shaders.FUNCTION.finditer(TEXTS[key]) if one["name"] == "BokehPackCoC")
-    without, before = TEXTS[key].replace(function + "\n\n", ""), "// Listing 1: what the engine's"
+    without, before = TEXTS[key].replace(function + "\n\n", ""), "// Listing 1: converts a value"
     for text in (without, without.replace(before, f"{function}\n\n{before}")):
         assert parity.check({key: text})
 
@@ -153,7 +153,7 @@ def test_the_layers_of_the_passes_can_be_left_out(language):
 MORE = "float a, float b, float c, float d,\n    float e, float f, float g, "
 ALIKE = {
     "nine parameters": f"BokehSanitize([[=>{MORE}]]float value,",
-    "a tag line": "// [[Lines: colour=>Colour]] of a weighted sum",
+    "a tag line": "// [[Lines: divides=>Divides]] a weighted sum",
     "a bit operator": "k > [[polygon.sides / 2=>(polygon.sides | 2)]])",
     "a swizzle assigned": "        sum[[ *==>.xy =]] BokehEdgeArea(",
 }
