@@ -1,43 +1,48 @@
 // SPDX-License-Identifier: MIT
 //
 // Ready-made passes, GLSL. Version 0.3.0.
-// A program is: your #version line, one BOKEH_PASS define, bokeh.glsl, then what the pass is made
-// from (bokeh_paper.glsl, bokeh_layers.glsl, bokeh_lens.glsl, or none), and this file.
+// Programs for every pass. Each is one text: your #version line, #define BOKEH_PASS with a name of
+// the table, bokeh.glsl, the files that the pass needs (bokeh_paper.glsl, bokeh_layers.glsl,
+// bokeh_lens.glsl, or none), and this file.
 //
 //   #define BOKEH_PASS ...      reads                             writes
 //   BOKEH_LINEAR_DEPTH          DepthSamp                         depth in metres, to R32F
 //   BOKEH_SIGNED_COC_MAP        ColorSamp, DepthSamp              colour, signed CoC
-//   BOKEH_CONSTANT_COC          ColorSamp                         colour, the same CoC everywhere
+//   BOKEH_CONSTANT_COC          ColorSamp                         colour, one CoC for all pixels
 //   BOKEH_SQUARE_FIRST          ColorSamp                         1 target
-//   BOKEH_SQUARE_SECOND         ColorSamp                         the picture, from that target
+//   BOKEH_SQUARE_SECOND         ColorSamp                         the result, from that target
 //   BOKEH_HEXAGON_FIRST         ColorSamp                         2 targets
-//   BOKEH_HEXAGON_SECOND        ColorSamp, ColorSampB             the picture, from those
+//   BOKEH_HEXAGON_SECOND        ColorSamp, ColorSampB             the result, from those
 //   BOKEH_OCTAGON_FIRST         ColorSamp                         3 targets
-//   BOKEH_OCTAGON_SECOND        ColorSamp, ColorSampB .. C        the picture
+//   BOKEH_OCTAGON_SECOND        ColorSamp, ColorSampB .. C        the result
 //   BOKEH_DECAGON_FIRST         ColorSamp                         4 targets
-//   BOKEH_DECAGON_SECOND        ColorSamp, ColorSampB .. D        the picture
+//   BOKEH_DECAGON_SECOND        ColorSamp, ColorSampB .. D        the result
 //   BOKEH_EXACT_EDGE            ColorSamp                         one target of these first passes
 //   BOKEH_DEBUG                 ColorSamp (with CoC), DepthSamp   debug view
 //   BOKEH_FULL_SCREEN           -                                 (vertex shader) one triangle
 //
 //   With bokeh_paper; DepthSamp has metres:
 //   BOKEH_COC_MAP               ColorSamp, DepthSamp              colour, CoC
-//   BOKEH_DEPTH_OF_FIELD        ColorSamp, DepthSamp              one line of the filter
-//   BOKEH_DEPTH_OF_FIELD_FINAL  ColorSamp, DepthSamp, ColorSampB  the same, min or max with B
-//   BOKEH_ADAPTIVE              ColorSamp, DepthSamp              a line of any length and place
-//   BOKEH_ADAPTIVE_FINAL        ColorSamp, DepthSamp, ColorSampB  the same, min or max with B
-//   BOKEH_NAIVE_GATHER          ColorSamp, DepthSamp, KernelSamp  a table of offsets
-//   BOKEH_NAIVE_GRID            ColorSamp, DepthSamp              a grid of samples
+//   BOKEH_DEPTH_OF_FIELD        ColorSamp, DepthSamp              blur along a line
+//   BOKEH_DEPTH_OF_FIELD_FINAL  ColorSamp, DepthSamp, ColorSampB  ... then min or max with B
+//   BOKEH_ADAPTIVE              ColorSamp, DepthSamp              blur along any line
+//   BOKEH_ADAPTIVE_FINAL        ColorSamp, DepthSamp, ColorSampB  ... then min or max with B
+//   BOKEH_NAIVE_GATHER          ColorSamp, DepthSamp, KernelSamp  gather, from a table
+//   BOKEH_NAIVE_GRID            ColorSamp, DepthSamp              gather, over a grid
 //
-//   With bokeh_lens; BOKEH_LENS_SHAPE 1 gives apertures curved blades and a cat's eye:
-//   BOKEH_STABLE_MAP            ColorSamp (map), ColorSampB .. C  steadier; B: history, C: velocity
-//   BOKEH_LATERAL_COLOR         ColorSamp (finished)              red larger, blue smaller
+//   With bokeh_lens. BOKEH_LENS_SHAPE 1 also gives apertures curved blades and a cat's eye:
+//   BOKEH_STABLE_MAP            ColorSamp (map), ColorSampB .. C  steady; B: history, C: velocity
+//   BOKEH_LATERAL_COLOR         ColorSamp (finished)              lateral colour
 //
-//   With bokeh_layers: its table lists what each pass reads, in the order of the slots, and writes.
-//   Square and hexagon draw both layers at once: nearLayer, nearQuarter, farLayer, farQuarter,
-//   layerCoC in; near and far of strip 2, then of strip 3 out. The others draw one, BokehLayer: 0
-//   near, 1 far. Second passes have layerCoC in ColorSampE. TileDilate runs twice: BokehAxis 0, 1.
-//   A pass whose name ends in One or Edge writes only target BOKEH_TARGET_INDEX.
+//   With bokeh_layers: the table of that file lists what each pass reads, in the order of the
+//   slots, and what it writes. Besides:
+//   * Square and hexagon blur both layers at once. Their first pass reads nearLayer, nearQuarter,
+//     farLayer, farQuarter, layerCoC, and writes strip 2 of near and far, then strip 3 of both.
+//   * Octagon and decagon blur one layer at a time: the near one with BokehLayer 0, the far one
+//     with 1.
+//   * Second passes read layerCoC from ColorSampE.
+//   * TileDilate runs twice, with BokehAxis 0, then 1.
+//   * A pass whose name ends in One or Edge writes only target BOKEH_TARGET_INDEX.
 //
 //   Parameters: single uniforms in OpenGL; under Vulkan one uniform block in the order below
 //   (docs/reference/parameters.md has units and offsets, and the block as a struct for C++,
@@ -237,7 +242,7 @@ BOKEH_PARAMETER(float, BokehStableBlend)
 };
 #endif
 
-// what a pass writes: one target, or as many as the table says
+// the targets that a pass writes: one, or as many as the table says
 #if BOKEH_PASS == BOKEH_HEXAGON_FIRST || BOKEH_PASS == BOKEH_HEXAGON_LAYER_SECOND
 #define BOKEH_TARGETS 2
 #elif BOKEH_PASS == BOKEH_SQUARE_LAYER_FIRST || BOKEH_PASS == BOKEH_SQUARE_LAYER_SECOND
@@ -271,17 +276,17 @@ layout(location = 3) out vec4 BokehResultD;
 // -------------------------------------------------------------------------------------------------
 // fragment shaders
 
-// what a pass without a filter begins with
+// sets the viewport, for passes without a filter
 void BokehUseViewport()
 {
     vec4 viewport = vec4(BokehViewportX, BokehViewportY, BokehImageWidth, BokehImageHeight);
     BokehSetViewport(viewport, vec2(BokehTextureWidth, BokehTextureHeight));
 }
 
-// interleaved gradient noise (Jimenez 2014) for each pixel, frame and pass, -0.5 .. 0.5
-//   In pass p each frame adds (8 p + 1) 33 / 64: over 64 frames every pass takes 64 evenly spaced
-//   values in each pixel, no two passes in the same order, and the mean of the frames converges.
-//   passIndex     0, 1 ..: a pass that reads another one needs another index
+// returns interleaved gradient noise (Jimenez 2014) for a pixel, frame and pass, -0.5 .. 0.5
+//   In pass p each frame adds (8 p + 1) 33 / 64. Over 64 frames every pass takes 64 evenly spaced
+//   values in each pixel, no two passes in the same order, so the mean of the frames converges.
+//   passIndex     0, 1 ..; a pass needs another index than the pass that it reads
 float BokehNoise(vec2 uv, vec2 imageSize, float frame, float passIndex)
 {
     float number = (8.0 * passIndex + 1.0) * (frame - 64.0 * floor(frame / 64.0)) + passIndex;
@@ -290,7 +295,7 @@ float BokehNoise(vec2 uv, vec2 imageSize, float frame, float passIndex)
     return value - floor(value) - 0.5;
 }
 
-// noise times its amount, with BOKEH_JITTER 1
+// returns the noise times BokehJitter; 0 without BOKEH_JITTER 1
 float BokehPassJitter(vec2 uv, vec2 imageSize, float passIndex)
 {
     float jitter = 0.0;
@@ -301,7 +306,7 @@ float BokehPassJitter(vec2 uv, vec2 imageSize, float passIndex)
     return jitter;
 }
 
-// what a filter pass begins with: the viewport set, and its settings; passIndex as in BokehNoise
+// sets the viewport and returns the settings of a filter pass; passIndex as in BokehNoise
 BokehSamplingSettings BokehBegin(vec2 uv, float passIndex)
 {
     BokehUseViewport();
@@ -319,7 +324,7 @@ BokehSamplingSettings BokehBegin(vec2 uv, float passIndex)
     return settings;
 }
 
-// the aperture; with BOKEH_LENS_SHAPE 1 as the lens shows it at this pixel
+// makes the aperture; with BOKEH_LENS_SHAPE 1 as the lens shows it at this pixel
 BokehPolygon BokehAperture(vec2 uv, int sides)
 {
     BokehPolygon polygon = BokehMakePolygon(sides, BokehAngle, BokehSqueeze);
@@ -333,7 +338,7 @@ BokehPolygon BokehAperture(vec2 uv, int sides)
     return polygon;
 }
 
-// the aperture where BOKEH_SIDES says it, or BokehSides; what nobody has set is a hexagon
+// makes the aperture with BOKEH_SIDES or else BokehSides sides; a hexagon if neither is set
 BokehPolygon BokehAnyAperture(vec2 uv)
 {
     int sides = int(BokehSides + 0.5);
@@ -356,7 +361,7 @@ BokehLens BokehPassLens()
     return lens;
 }
 
-// signed CoC of a depth; with BOKEH_FOCUS_CONTROLS 1 as artists want it
+// returns the signed CoC of a depth; with BOKEH_FOCUS_CONTROLS 1 as artists have bent the focus
 float BokehPassCoC(float depth)
 {
     float CoC = BokehSignedCoC(depth, BokehPassLens());
@@ -373,14 +378,14 @@ float BokehPassCoC(float depth)
     return CoC;
 }
 
-// depth of this pixel in metres
+// returns the depth of this pixel in metres
 float BokehPassDepth(vec2 depthUV)
 {
     float stored = BokehFetchDepth(BokehDepthSamp, depthUV);
     return BokehLinearDepth(stored, int(BokehDepthKind + 0.5), BokehNear, BokehFar);
 }
 
-// where the depth of image uv lies in the depth buffer, of which the image may be a rectangle
+// converts image uv to uv of the depth buffer, of which the image may fill a rectangle
 vec2 BokehDepthUV(vec2 uv)
 {
     vec2 depthUV = BokehToTexture(uv);
@@ -391,7 +396,7 @@ vec2 BokehDepthUV(vec2 uv)
     return depthUV;
 }
 
-// target BOKEH_TARGET_INDEX of several, where a pass can write only one
+// selects target BOKEH_TARGET_INDEX, for passes that can write only one
 vec4 BokehSelectTarget(vec4 first, vec4 second, vec4 third, vec4 fourth)
 {
     vec4 picked = first;
@@ -412,7 +417,7 @@ vec4 BokehSelectTarget(vec4 first, vec4 second, vec4 third, vec4 fourth)
 
 #ifdef BOKEH_PAPER
 
-// one line of the filter, adaptive
+// blurs along one line of any length and position, with as many samples as the CoC needs
 vec4 BokehAdaptiveLine(vec2 uv)
 {
     BokehSamplingSettings settings = BokehBegin(uv, BokehPassIndex);
@@ -426,8 +431,8 @@ vec4 BokehAdaptiveLine(vec2 uv)
 
 #ifdef BOKEH_LAYERS
 
-// what a pass of the layers begins with: the viewport set, and its settings
-//   scale         of its target
+// sets the viewport and returns the context of a pass of `layered`
+//   scale         size of the image / size of the target: 1, 2, 4 or 8
 BokehLayerContext BokehBeginLayers(vec2 uv, float scale, float passIndex)
 {
     BokehUseViewport();
@@ -442,13 +447,13 @@ BokehLayerContext BokehBeginLayers(vec2 uv, float scale, float passIndex)
     return layers;
 }
 
-// the same for a pass without samples of its own
+// does the same for a pass in which jitter has no effect
 BokehLayerContext BokehBeginTiles(vec2 uv)
 {
     return BokehBeginLayers(uv, 1.0, 0.0);
 }
 
-// the polygon of a layer, first pass
+// blurs one layer, first pass
 //   last          as in BokehExactFirst
 BokehTargets BokehLayerPolygon(vec2 uv, int last, BokehPolygon polygon)
 {
@@ -457,7 +462,7 @@ BokehTargets BokehLayerPolygon(vec2 uv, int last, BokehPolygon polygon)
         layers), BokehLayer > 0.5, last, polygon, layers);
 }
 
-// the polygon of a layer, second pass
+// blurs one layer, second pass
 vec4 BokehLayerResult(vec2 uv, BOKEH_TEXTURE Strip5Samp, BokehPolygon polygon)
 {
     BokehLayerContext layers = BokehBeginLayers(uv, 2.0, 1.0);
@@ -465,7 +470,7 @@ vec4 BokehLayerResult(vec2 uv, BOKEH_TEXTURE Strip5Samp, BokehPolygon polygon)
         BokehLayerCoC(BokehColorSampE, layers), BokehLayer > 0.5, polygon, layers);
 }
 
-// both layers, first pass, of a square or a hexagon
+// blurs both layers, first pass of a square or a hexagon
 BokehLayersTargets BokehBothPolygons(vec2 uv, int sides)
 {
     BokehLayerContext layers = BokehBeginLayers(uv, 2.0, 0.0);
@@ -473,7 +478,7 @@ BokehLayersTargets BokehBothPolygons(vec2 uv, int sides)
         BokehLayerCoC(BokehColorSampE, layers), BokehAperture(uv, sides), layers);
 }
 
-// both layers, second pass
+// blurs both layers, second pass
 BokehBlurred BokehBothResults(vec2 uv, BOKEH_TEXTURE NearStrip3Samp, BOKEH_TEXTURE FarStrip3Samp,
     int sides)
 {
@@ -602,9 +607,11 @@ void main()
 
 #elif BOKEH_PASS == BOKEH_DEBUG
 
-// BokehDebugMode: 0 colour; 1 depth: black at the camera, 0.5 at the focus distance, white far away
-//                 2 CoC as grey: black in focus, white at BokehMaxCoC
-//                 3 near field orange, far field blue, in focus black; brighter with the CoC
+// shows what the effect reads, by BokehDebugMode
+//   0             colour
+//   1             depth: black at the camera, 0.5 at the focus distance, white far away
+//   2             CoC: black in focus, white at BokehMaxCoC
+//   3             near field orange, far field blue, in focus black; brighter as the CoC grows
 void main()
 {
     BokehUseViewport();

@@ -1,43 +1,47 @@
 // SPDX-License-Identifier: MIT
 //
 // Ready-made passes, HLSL. Version 0.3.0.
-// Put this file after bokeh.hlsl and what the passes are made from: bokeh_paper.hlsl,
-// bokeh_layers.hlsl, bokeh_lens.hlsl, or none.
+// Entries for every pass. Put this file after bokeh.hlsl and the files that the passes need:
+// bokeh_paper.hlsl, bokeh_layers.hlsl, bokeh_lens.hlsl, or none.
 //
 //   pass                        reads                             writes
 //   BokehLinearDepth_PS         DepthSamp                         depth in metres, to R32F
 //   BokehSignedCoCMap_PS        ColorSamp, DepthSamp              colour, signed CoC
-//   BokehConstantCoC_PS         ColorSamp                         colour, the same CoC everywhere
+//   BokehConstantCoC_PS         ColorSamp                         colour, one CoC for all pixels
 //   BokehSquareFirst_PS         ColorSamp                         1 target
-//   BokehSquareSecond_PS        ColorSamp                         the picture, from that target
+//   BokehSquareSecond_PS        ColorSamp                         the result, from that target
 //   BokehHexagonFirst_PS        ColorSamp                         2 targets
-//   BokehHexagonSecond_PS       ColorSamp, ColorSampB             the picture, from those
+//   BokehHexagonSecond_PS       ColorSamp, ColorSampB             the result, from those
 //   BokehOctagonFirst_PS        ColorSamp                         3 targets
-//   BokehOctagonSecond_PS       ColorSamp, ColorSampB .. C        the picture
+//   BokehOctagonSecond_PS       ColorSamp, ColorSampB .. C        the result
 //   BokehDecagonFirst_PS        ColorSamp                         4 targets
-//   BokehDecagonSecond_PS       ColorSamp, ColorSampB .. D        the picture
+//   BokehDecagonSecond_PS       ColorSamp, ColorSampB .. D        the result
 //   BokehExactEdge_PS           ColorSamp                         one target of these first passes
 //   BokehDebug_PS               ColorSamp (with CoC), DepthSamp   debug view
 //   BokehFullScreen_VS          -                                 one triangle (SM3: a quad)
 //
 //   With bokeh_paper; DepthSamp has metres:
 //   BokehCoCMap_PS              ColorSamp, DepthSamp              colour, CoC
-//   BokehDepthOfField_PS        ColorSamp, DepthSamp              one line of the filter
-//   BokehDepthOfFieldFinal_PS   ColorSamp, DepthSamp, ColorSampB  the same, min or max with B
-//   BokehAdaptive_PS            ColorSamp, DepthSamp              a line of any length and place
-//   BokehAdaptiveFinal_PS       ColorSamp, DepthSamp, ColorSampB  the same, min or max with B
-//   BokehNaiveGather_PS         ColorSamp, DepthSamp, KernelSamp  a table of offsets
-//   BokehNaiveGrid_PS           ColorSamp, DepthSamp              a grid of samples
+//   BokehDepthOfField_PS        ColorSamp, DepthSamp              blur along a line
+//   BokehDepthOfFieldFinal_PS   ColorSamp, DepthSamp, ColorSampB  ... then min or max with B
+//   BokehAdaptive_PS            ColorSamp, DepthSamp              blur along any line
+//   BokehAdaptiveFinal_PS       ColorSamp, DepthSamp, ColorSampB  ... then min or max with B
+//   BokehNaiveGather_PS         ColorSamp, DepthSamp, KernelSamp  gather, from a table
+//   BokehNaiveGrid_PS           ColorSamp, DepthSamp              gather, over a grid
 //
-//   With bokeh_lens; BOKEH_LENS_SHAPE 1 gives apertures curved blades and a cat's eye:
-//   BokehStableMap_PS           ColorSamp (map), ColorSampB .. C  steadier; B: history, C: velocity
-//   BokehLateralColor_PS        ColorSamp (finished)              red larger, blue smaller
+//   With bokeh_lens. BOKEH_LENS_SHAPE 1 also gives apertures curved blades and a cat's eye:
+//   BokehStableMap_PS           ColorSamp (map), ColorSampB .. C  steady; B: history, C: velocity
+//   BokehLateralColor_PS        ColorSamp (finished)              lateral colour
 //
-//   With bokeh_layers: its table lists what each pass reads, in the order of the slots, and writes.
-//   Square and hexagon draw both layers at once: nearLayer, nearQuarter, farLayer, farQuarter,
-//   layerCoC in; near and far of strip 2, then of strip 3 out. The others draw one, BokehLayer: 0
-//   near, 1 far. Second passes have layerCoC in ColorSampE. TileDilate runs twice: BokehAxis 0, 1.
-//   A pass whose name ends in One or Edge writes only target BOKEH_TARGET_INDEX.
+//   With bokeh_layers: the table of that file lists what each pass reads, in the order of the
+//   slots, and what it writes. Besides:
+//   * Square and hexagon blur both layers at once. Their first pass reads nearLayer, nearQuarter,
+//     farLayer, farQuarter, layerCoC, and writes strip 2 of near and far, then strip 3 of both.
+//   * Octagon and decagon blur one layer at a time: the near one with BokehLayer 0, the far one
+//     with 1.
+//   * Second passes read layerCoC from ColorSampE.
+//   * TileDilate runs twice, with BokehAxis 0, then 1.
+//   * A pass whose name ends in One or Edge writes only target BOKEH_TARGET_INDEX.
 //
 //   Parameters: number i of the list below is register c(i) in SM3 and byte offset 4 i of the
 //   buffer in SM4 and up; the buffer has 192 bytes (docs/reference/parameters.md has units, and the
@@ -82,14 +86,14 @@ SamplerState BokehLinearClamp : register(s0);
 #define BOKEH_TARGET(i) SV_Target##i
 #endif
 
-// what passes of 2 targets return
+// holds the result of a pass with 2 targets
 struct BokehTargets2
 {
     float4 target0 : BOKEH_TARGET(0);
     float4 target1 : BOKEH_TARGET(1);
 };
 
-// what passes of 3 targets return
+// holds the result of a pass with 3 targets
 struct BokehTargets3
 {
     float4 target0 : BOKEH_TARGET(0);
@@ -97,7 +101,7 @@ struct BokehTargets3
     float4 target2 : BOKEH_TARGET(2);
 };
 
-// what passes of 4 targets return
+// holds the result of a pass with 4 targets
 struct BokehTargets4
 {
     float4 target0 : BOKEH_TARGET(0);
@@ -213,17 +217,17 @@ BokehVertex BokehFullScreen_VS(uint id : SV_VertexID)
 // -------------------------------------------------------------------------------------------------
 // pixel shaders
 
-// what a pass without a filter begins with
+// sets the viewport, for passes without a filter
 void BokehUseViewport()
 {
     float4 viewport = float4(BokehViewportX, BokehViewportY, BokehImageWidth, BokehImageHeight);
     BokehSetViewport(viewport, float2(BokehTextureWidth, BokehTextureHeight));
 }
 
-// interleaved gradient noise (Jimenez 2014) for each pixel, frame and pass, -0.5 .. 0.5
-//   In pass p each frame adds (8 p + 1) 33 / 64: over 64 frames every pass takes 64 evenly spaced
-//   values in each pixel, no two passes in the same order, and the mean of the frames converges.
-//   passIndex     0, 1 ..: a pass that reads another one needs another index
+// returns interleaved gradient noise (Jimenez 2014) for a pixel, frame and pass, -0.5 .. 0.5
+//   In pass p each frame adds (8 p + 1) 33 / 64. Over 64 frames every pass takes 64 evenly spaced
+//   values in each pixel, no two passes in the same order, so the mean of the frames converges.
+//   passIndex     0, 1 ..; a pass needs another index than the pass that it reads
 float BokehNoise(float2 uv, float2 imageSize, float frame, float passIndex)
 {
     float number = (8.0 * passIndex + 1.0) * (frame - 64.0 * floor(frame / 64.0)) + passIndex;
@@ -232,7 +236,7 @@ float BokehNoise(float2 uv, float2 imageSize, float frame, float passIndex)
     return value - floor(value) - 0.5;
 }
 
-// noise times its amount, with BOKEH_JITTER 1
+// returns the noise times BokehJitter; 0 without BOKEH_JITTER 1
 float BokehPassJitter(float2 uv, float2 imageSize, float passIndex)
 {
     float jitter = 0.0;
@@ -243,7 +247,7 @@ float BokehPassJitter(float2 uv, float2 imageSize, float passIndex)
     return jitter;
 }
 
-// what a filter pass begins with: the viewport set, and its settings; passIndex as in BokehNoise
+// sets the viewport and returns the settings of a filter pass; passIndex as in BokehNoise
 BokehSamplingSettings BokehBegin(float2 uv, float passIndex)
 {
     BokehUseViewport();
@@ -261,7 +265,7 @@ BokehSamplingSettings BokehBegin(float2 uv, float passIndex)
     return settings;
 }
 
-// the aperture; with BOKEH_LENS_SHAPE 1 as the lens shows it at this pixel
+// makes the aperture; with BOKEH_LENS_SHAPE 1 as the lens shows it at this pixel
 BokehPolygon BokehAperture(float2 uv, int sides)
 {
     BokehPolygon polygon = BokehMakePolygon(sides, BokehAngle, BokehSqueeze);
@@ -275,7 +279,7 @@ BokehPolygon BokehAperture(float2 uv, int sides)
     return polygon;
 }
 
-// the aperture where BOKEH_SIDES says it, or BokehSides; what nobody has set is a hexagon
+// makes the aperture with BOKEH_SIDES or else BokehSides sides; a hexagon if neither is set
 BokehPolygon BokehAnyAperture(float2 uv)
 {
     int sides = int(BokehSides + 0.5);
@@ -298,7 +302,7 @@ BokehLens BokehPassLens()
     return lens;
 }
 
-// signed CoC of a depth; with BOKEH_FOCUS_CONTROLS 1 as artists want it
+// returns the signed CoC of a depth; with BOKEH_FOCUS_CONTROLS 1 as artists have bent the focus
 float BokehPassCoC(float depth)
 {
     float CoC = BokehSignedCoC(depth, BokehPassLens());
@@ -315,14 +319,14 @@ float BokehPassCoC(float depth)
     return CoC;
 }
 
-// depth of this pixel in metres
+// returns the depth of this pixel in metres
 float BokehPassDepth(float2 depthUV)
 {
     float stored = BokehFetchDepth(BokehDepthSamp, depthUV);
     return BokehLinearDepth(stored, int(BokehDepthKind + 0.5), BokehNear, BokehFar);
 }
 
-// where the depth of image uv lies in the depth buffer, of which the image may be a rectangle
+// converts image uv to uv of the depth buffer, of which the image may fill a rectangle
 float2 BokehDepthUV(float2 uv)
 {
     float2 depthUV = BokehToTexture(uv);
@@ -333,7 +337,7 @@ float2 BokehDepthUV(float2 uv)
     return depthUV;
 }
 
-// target BOKEH_TARGET_INDEX of several, where a pass can write only one
+// selects target BOKEH_TARGET_INDEX, for passes that can write only one
 float4 BokehSelectTarget(float4 first, float4 second, float4 third, float4 fourth)
 {
     float4 picked = first;
@@ -354,7 +358,7 @@ float4 BokehSelectTarget(float4 first, float4 second, float4 third, float4 fourt
 
 #ifdef BOKEH_PAPER
 
-// one line of the filter, adaptive
+// blurs along one line of any length and position, with as many samples as the CoC needs
 float4 BokehAdaptiveLine(float2 uv)
 {
     BokehSamplingSettings settings = BokehBegin(uv, BokehPassIndex);
@@ -368,8 +372,8 @@ float4 BokehAdaptiveLine(float2 uv)
 
 #ifdef BOKEH_LAYERS
 
-// what a pass of the layers begins with: the viewport set, and its settings
-//   scale         of its target
+// sets the viewport and returns the context of a pass of `layered`
+//   scale         size of the image / size of the target: 1, 2, 4 or 8
 BokehLayerContext BokehBeginLayers(float2 uv, float scale, float passIndex)
 {
     BokehUseViewport();
@@ -384,13 +388,13 @@ BokehLayerContext BokehBeginLayers(float2 uv, float scale, float passIndex)
     return layers;
 }
 
-// the same for a pass without samples of its own
+// does the same for a pass in which jitter has no effect
 BokehLayerContext BokehBeginTiles(float2 uv)
 {
     return BokehBeginLayers(uv, 1.0, 0.0);
 }
 
-// the polygon of a layer, first pass
+// blurs one layer, first pass
 //   last          as in BokehExactFirst
 BokehTargets BokehLayerPolygon(float2 uv, int last, BokehPolygon polygon)
 {
@@ -399,7 +403,7 @@ BokehTargets BokehLayerPolygon(float2 uv, int last, BokehPolygon polygon)
         layers BOKEH_LINEAR), BokehLayer > 0.5, last, polygon, layers BOKEH_LINEAR);
 }
 
-// the polygon of a layer, second pass
+// blurs one layer, second pass
 float4 BokehLayerResult(float2 uv, BOKEH_TEXTURE Strip5Samp, BokehPolygon polygon)
 {
     BokehLayerContext layers = BokehBeginLayers(uv, 2.0, 1.0);
@@ -408,7 +412,7 @@ float4 BokehLayerResult(float2 uv, BOKEH_TEXTURE Strip5Samp, BokehPolygon polygo
         layers BOKEH_LINEAR);
 }
 
-// both layers, first pass, of a square or a hexagon
+// blurs both layers, first pass of a square or a hexagon
 BokehLayersTargets BokehBothPolygons(float2 uv, int sides)
 {
     BokehLayerContext layers = BokehBeginLayers(uv, 2.0, 0.0);
@@ -417,7 +421,7 @@ BokehLayersTargets BokehBothPolygons(float2 uv, int sides)
         layers BOKEH_LINEAR);
 }
 
-// both layers, second pass
+// blurs both layers, second pass
 BokehBlurred BokehBothResults(float2 uv, BOKEH_TEXTURE NearStrip3Samp, BOKEH_TEXTURE FarStrip3Samp,
     int sides)
 {
@@ -527,9 +531,11 @@ float4 BokehExactEdge_PS(BOKEH_INPUT) : BOKEH_OUTPUT
     return BokehSelectTarget(targets.strip2, targets.strip3, targets.strip4, targets.strip5);
 }
 
-// BokehDebugMode: 0 colour; 1 depth: black at the camera, 0.5 at the focus distance, white far away
-//                 2 CoC as grey: black in focus, white at BokehMaxCoC
-//                 3 near field orange, far field blue, in focus black; brighter with the CoC
+// shows what the effect reads, by BokehDebugMode
+//   0             colour
+//   1             depth: black at the camera, 0.5 at the focus distance, white far away
+//   2             CoC: black in focus, white at BokehMaxCoC
+//   3             near field orange, far field blue, in focus black; brighter as the CoC grows
 float4 BokehDebug_PS(BOKEH_INPUT) : BOKEH_OUTPUT
 {
     BokehUseViewport();

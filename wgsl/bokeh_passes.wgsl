@@ -6,37 +6,41 @@
 //   pass                        reads                             writes
 //   BokehLinearDepth_PS         DepthSamp                         depth in metres, to R32F
 //   BokehSignedCoCMap_PS        ColorSamp, DepthSamp              colour, signed CoC
-//   BokehConstantCoC_PS         ColorSamp                         colour, the same CoC everywhere
+//   BokehConstantCoC_PS         ColorSamp                         colour, one CoC for all pixels
 //   BokehSquareFirst_PS         ColorSamp                         1 target
-//   BokehSquareSecond_PS        ColorSamp                         the picture, from that target
+//   BokehSquareSecond_PS        ColorSamp                         the result, from that target
 //   BokehHexagonFirst_PS        ColorSamp                         2 targets
-//   BokehHexagonSecond_PS       ColorSamp, ColorSampB             the picture, from those
+//   BokehHexagonSecond_PS       ColorSamp, ColorSampB             the result, from those
 //   BokehOctagonFirst_PS        ColorSamp                         3 targets
-//   BokehOctagonSecond_PS       ColorSamp, ColorSampB .. C        the picture
+//   BokehOctagonSecond_PS       ColorSamp, ColorSampB .. C        the result
 //   BokehDecagonFirst_PS        ColorSamp                         4 targets
-//   BokehDecagonSecond_PS       ColorSamp, ColorSampB .. D        the picture
+//   BokehDecagonSecond_PS       ColorSamp, ColorSampB .. D        the result
 //   BokehExactEdge_PS           ColorSamp                         one target of these first passes
 //   BokehDebug_PS               ColorSamp (with CoC), DepthSamp   debug view
 //   BokehFullScreen_VS          -                                 one triangle
 //
 //   With bokeh_paper; DepthSamp has metres:
 //   BokehCoCMap_PS              ColorSamp, DepthSamp              colour, CoC
-//   BokehDepthOfField_PS        ColorSamp, DepthSamp              one line of the filter
-//   BokehDepthOfFieldFinal_PS   ColorSamp, DepthSamp, ColorSampB  the same, min or max with B
-//   BokehAdaptive_PS            ColorSamp, DepthSamp              a line of any length and place
-//   BokehAdaptiveFinal_PS       ColorSamp, DepthSamp, ColorSampB  the same, min or max with B
-//   BokehNaiveGather_PS         ColorSamp, DepthSamp, KernelSamp  a table of offsets
-//   BokehNaiveGrid_PS           ColorSamp, DepthSamp              a grid of samples
+//   BokehDepthOfField_PS        ColorSamp, DepthSamp              blur along a line
+//   BokehDepthOfFieldFinal_PS   ColorSamp, DepthSamp, ColorSampB  ... then min or max with B
+//   BokehAdaptive_PS            ColorSamp, DepthSamp              blur along any line
+//   BokehAdaptiveFinal_PS       ColorSamp, DepthSamp, ColorSampB  ... then min or max with B
+//   BokehNaiveGather_PS         ColorSamp, DepthSamp, KernelSamp  gather, from a table
+//   BokehNaiveGrid_PS           ColorSamp, DepthSamp              gather, over a grid
 //
-//   With bokeh_lens; BOKEH_LENS_SHAPE 1 gives apertures curved blades and a cat's eye:
-//   BokehStableMap_PS           ColorSamp (map), ColorSampB .. C  steadier; B: history, C: velocity
-//   BokehLateralColor_PS        ColorSamp (finished)              red larger, blue smaller
+//   With bokeh_lens. BOKEH_LENS_SHAPE 1 also gives apertures curved blades and a cat's eye:
+//   BokehStableMap_PS           ColorSamp (map), ColorSampB .. C  steady; B: history, C: velocity
+//   BokehLateralColor_PS        ColorSamp (finished)              lateral colour
 //
-//   With bokeh_layers: its table lists what each pass reads, in the order of the slots, and writes.
-//   Square and hexagon draw both layers at once: nearLayer, nearQuarter, farLayer, farQuarter,
-//   layerCoC in; near and far of strip 2, then of strip 3 out. The others draw one, BokehLayer: 0
-//   near, 1 far. Second passes have layerCoC in ColorSampE. TileDilate runs twice: BokehAxis 0, 1.
-//   A pass whose name ends in One or Edge writes only target BOKEH_TARGET_INDEX.
+//   With bokeh_layers: the table of that file lists what each pass reads, in the order of the
+//   slots, and what it writes. Besides:
+//   * Square and hexagon blur both layers at once. Their first pass reads nearLayer, nearQuarter,
+//     farLayer, farQuarter, layerCoC, and writes strip 2 of near and far, then strip 3 of both.
+//   * Octagon and decagon blur one layer at a time: the near one with BokehLayer 0, the far one
+//     with 1.
+//   * Second passes read layerCoC from ColorSampE.
+//   * TileDilate runs twice, with BokehAxis 0, then 1.
+//   * A pass whose name ends in One or Edge writes only target BOKEH_TARGET_INDEX.
 //
 //   Parameters: number i of the struct below is at byte offset 4 i; bind 192 bytes
 //   (docs/reference/parameters.md has units, and the struct for C++, C#, Rust and JavaScript).
@@ -157,7 +161,7 @@ struct BokehVertex
 // -------------------------------------------------------------------------------------------------
 // fragment shaders
 
-// what a pass without a filter begins with
+// sets the viewport, for passes without a filter
 fn BokehUseViewport()
 {
     let viewport: vec4f = vec4f(bokehParameters.BokehViewportX, bokehParameters.BokehViewportY,
@@ -166,10 +170,10 @@ fn BokehUseViewport()
         bokehParameters.BokehTextureHeight));
 }
 
-// interleaved gradient noise (Jimenez 2014) for each pixel, frame and pass, -0.5 .. 0.5
-//   In pass p each frame adds (8 p + 1) 33 / 64: over 64 frames every pass takes 64 evenly spaced
-//   values in each pixel, no two passes in the same order, and the mean of the frames converges.
-//   passIndex     0, 1 ..: a pass that reads another one needs another index
+// returns interleaved gradient noise (Jimenez 2014) for a pixel, frame and pass, -0.5 .. 0.5
+//   In pass p each frame adds (8 p + 1) 33 / 64. Over 64 frames every pass takes 64 evenly spaced
+//   values in each pixel, no two passes in the same order, so the mean of the frames converges.
+//   passIndex     0, 1 ..; a pass needs another index than the pass that it reads
 fn BokehNoise(uv: vec2f, imageSize: vec2f, frame: f32, passIndex: f32) -> f32
 {
     let number: f32 = (8.0 * passIndex + 1.0) * (frame - 64.0 * floor(frame / 64.0)) + passIndex;
@@ -178,7 +182,7 @@ fn BokehNoise(uv: vec2f, imageSize: vec2f, frame: f32, passIndex: f32) -> f32
     return value - floor(value) - 0.5;
 }
 
-// noise times its amount, with BOKEH_JITTER 1
+// returns the noise times BokehJitter; 0 without BOKEH_JITTER 1
 fn BokehPassJitter(uv: vec2f, imageSize: vec2f, passIndex: f32) -> f32
 {
     var jitter: f32 = 0.0;
@@ -190,7 +194,7 @@ fn BokehPassJitter(uv: vec2f, imageSize: vec2f, passIndex: f32) -> f32
     return jitter;
 }
 
-// what a filter pass begins with: the viewport set, and its settings; passIndex as in BokehNoise
+// sets the viewport and returns the settings of a filter pass; passIndex as in BokehNoise
 fn BokehBegin(uv: vec2f, passIndex: f32) -> BokehSamplingSettings
 {
     BokehUseViewport();
@@ -209,7 +213,7 @@ fn BokehBegin(uv: vec2f, passIndex: f32) -> BokehSamplingSettings
     return settings;
 }
 
-// the aperture; with BOKEH_LENS_SHAPE 1 as the lens shows it at this pixel
+// makes the aperture; with BOKEH_LENS_SHAPE 1 as the lens shows it at this pixel
 fn BokehAperture(uv: vec2f, sides: i32) -> BokehPolygon
 {
     var polygon: BokehPolygon = BokehMakePolygon(sides, bokehParameters.BokehAngle,
@@ -223,7 +227,7 @@ fn BokehAperture(uv: vec2f, sides: i32) -> BokehPolygon
     return polygon;
 }
 
-// the aperture where BOKEH_SIDES says it, or BokehSides; what nobody has set is a hexagon
+// makes the aperture with BOKEH_SIDES or else BokehSides sides; a hexagon if neither is set
 fn BokehAnyAperture(uv: vec2f) -> BokehPolygon
 {
     var sides: i32 = i32(bokehParameters.BokehSides + 0.5);
@@ -247,7 +251,7 @@ fn BokehPassLens() -> BokehLens
     return lens;
 }
 
-// signed CoC of a depth; with BOKEH_FOCUS_CONTROLS 1 as artists want it
+// returns the signed CoC of a depth; with BOKEH_FOCUS_CONTROLS 1 as artists have bent the focus
 fn BokehPassCoC(depth: f32) -> f32
 {
     var CoC: f32 = BokehSignedCoC(depth, BokehPassLens());
@@ -262,7 +266,7 @@ fn BokehPassCoC(depth: f32) -> f32
     return CoC;
 }
 
-// depth of this pixel in metres
+// returns the depth of this pixel in metres
 fn BokehPassDepth(depthUV: vec2f) -> f32
 {
     let stored: f32 = BokehFetchDepth(BokehDepthSamp, depthUV);
@@ -270,7 +274,7 @@ fn BokehPassDepth(depthUV: vec2f) -> f32
         bokehParameters.BokehNear, bokehParameters.BokehFar);
 }
 
-// where the depth of image uv lies in the depth buffer, of which the image may be a rectangle
+// converts image uv to uv of the depth buffer, of which the image may fill a rectangle
 fn BokehDepthUV(uv: vec2f) -> vec2f
 {
     var depthUV: vec2f = BokehToTexture(uv);
@@ -282,7 +286,7 @@ fn BokehDepthUV(uv: vec2f) -> vec2f
     return depthUV;
 }
 
-// target BOKEH_TARGET_INDEX of several, where a pass can write only one
+// selects target BOKEH_TARGET_INDEX, for passes that can write only one
 fn BokehSelectTarget(first: vec4f, second: vec4f, third: vec4f, fourth: vec4f) -> vec4f
 {
     var picked: vec4f = first;
@@ -301,7 +305,7 @@ fn BokehSelectTarget(first: vec4f, second: vec4f, third: vec4f, fourth: vec4f) -
     return picked;
 }
 
-// one line of the filter, adaptive
+// blurs along one line of any length and position, with as many samples as the CoC needs
 fn BokehAdaptiveLine(uv: vec2f) -> vec4f
 {
     let settings: BokehSamplingSettings = BokehBegin(uv, bokehParameters.BokehPassIndex);
@@ -313,8 +317,8 @@ fn BokehAdaptiveLine(uv: vec2f) -> vec4f
         bokehParameters.BokehBlurCoC > 0.5, BokehLinearClamp);
 }
 
-// what a pass of the layers begins with: the viewport set, and its settings
-//   scale         of its target
+// sets the viewport and returns the context of a pass of `layered`
+//   scale         size of the image / size of the target: 1, 2, 4 or 8
 fn BokehBeginLayers(uv: vec2f, scale: f32, passIndex: f32) -> BokehLayerContext
 {
     BokehUseViewport();
@@ -331,13 +335,13 @@ fn BokehBeginLayers(uv: vec2f, scale: f32, passIndex: f32) -> BokehLayerContext
     return layers;
 }
 
-// the same for a pass without samples of its own
+// does the same for a pass in which jitter has no effect
 fn BokehBeginTiles(uv: vec2f) -> BokehLayerContext
 {
     return BokehBeginLayers(uv, 1.0, 0.0);
 }
 
-// the polygon of a layer, first pass
+// blurs one layer, first pass
 //   last          as in BokehExactFirst
 fn BokehLayerPolygon(uv: vec2f, last: i32, polygon: BokehPolygon) -> BokehTargets
 {
@@ -347,7 +351,7 @@ fn BokehLayerPolygon(uv: vec2f, last: i32, polygon: BokehPolygon) -> BokehTarget
         BokehLinearClamp);
 }
 
-// the polygon of a layer, second pass
+// blurs one layer, second pass
 fn BokehLayerResult(uv: vec2f, Strip5Samp: texture_2d<f32>, polygon: BokehPolygon) -> vec4f
 {
     let layers: BokehLayerContext = BokehBeginLayers(uv, 2.0, 1.0);
@@ -356,7 +360,7 @@ fn BokehLayerResult(uv: vec2f, Strip5Samp: texture_2d<f32>, polygon: BokehPolygo
         0.5, polygon, layers, BokehLinearClamp);
 }
 
-// both layers, first pass, of a square or a hexagon
+// blurs both layers, first pass of a square or a hexagon
 fn BokehBothPolygons(uv: vec2f, sides: i32) -> BokehLayersTargets
 {
     let layers: BokehLayerContext = BokehBeginLayers(uv, 2.0, 0.0);
@@ -365,7 +369,7 @@ fn BokehBothPolygons(uv: vec2f, sides: i32) -> BokehLayersTargets
         layers, BokehLinearClamp);
 }
 
-// both layers, second pass
+// blurs both layers, second pass
 fn BokehBothResults(uv: vec2f, NearStrip3Samp: texture_2d<f32>, FarStrip3Samp: texture_2d<f32>,
     sides: i32) -> BokehBlurred
 {
@@ -462,9 +466,11 @@ fn BokehBothResults(uv: vec2f, NearStrip3Samp: texture_2d<f32>, FarStrip3Samp: t
     return BokehSelectTarget(targets.strip2, targets.strip3, targets.strip4, targets.strip5);
 }
 
-// BokehDebugMode: 0 colour; 1 depth: black at the camera, 0.5 at the focus distance, white far away
-//                 2 CoC as grey: black in focus, white at BokehMaxCoC
-//                 3 near field orange, far field blue, in focus black; brighter with the CoC
+// shows what the effect reads, by BokehDebugMode
+//   0             colour
+//   1             depth: black at the camera, 0.5 at the focus distance, white far away
+//   2             CoC: black in focus, white at BokehMaxCoC
+//   3             near field orange, far field blue, in focus black; brighter as the CoC grows
 @fragment fn BokehDebug_PS(input: BokehVertex) -> @location(0) vec4f
 {
     BokehUseViewport();

@@ -93,7 +93,7 @@ PASSES = {
 # Before the entries of the passes
 PARAMETERS = [f"BOKEH_PARAMETER(float, BokehAngleB{one})\n" for one in (", 8", "")] + ["    BokehAngleB: f32,\n"]
 BINDINGS = {
-    "a row of the table": "a grid[[ of samples=>]]",
+    "a row of the table": "over a[[ grid=>]]",
     "a parameter dropped": tuple(f"[[{row}=>]]" for row in PARAMETERS),
     "a parameter of another type": tuple(f"[[{row}=>{re.sub('float|f32', 'int', row)}]]" for row in PARAMETERS),
     "a number": ("BokehAngleB, [[8=>9]])", "#define BOKEH_DEBUG [[13=>6]]\n", "BokehAngle[[B=>A]]: f32"),
