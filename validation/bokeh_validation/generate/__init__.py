@@ -257,31 +257,47 @@ def choices() -> Iterator[str]:
 
 def passes_page() -> Iterator[str]:
     """docs/reference/passes.md."""
-    yield from ("## What a frame costs", "")
-    yield from ("| hexagon | passes | fetches per pixel: LOW | MEDIUM | HIGH | ULTRA |", "|---|---|---|---|---|---|")
+    yield from ("## What a frame costs", "", "A hexagon:", "")
+    yield _cells("method", "preset", "passes", "fetches of colour", "of depth")
+    yield f"|{'---|' * 5}"
     for method in ("exact", "layered"):
-        frames = [plan.frame(methods.Settings(method, preset=name), PAGE_SIZE) for name in methods.PRESETS]
-        yield _cells(method, len(frames[0]["passes"]), *(_fetches(planned) for planned in frames))
+        for name in methods.PRESETS:
+            planned = plan.frame(methods.Settings(method, preset=name), PAGE_SIZE)
+            color, depth, _ = _fetches(planned)
+            yield _cells(method, name.upper(), len(planned["passes"]), color, depth)
     yield ""
     for method, aperture in SHOWN:
         yield from _section(plan.frame(methods.Settings(method, aperture), PAGE_SIZE))
     yield from ("## Other polygons, and one target a pass", "")
-    yield from ("With one target a pass, each target is drawn by itself.", "")
-    yield "| method, shape | passes | fetches per pixel | MB | MB shared | one target: passes | fetches |"
-    yield "|---|---|---|---|---|---|---|"
+    yield "Preset MEDIUM. `naive` also fetches the 127 offsets of its table. In the last two columns a pass has one target."
+    yield ""
+    yield _cells(
+        "method",
+        "polygon",
+        "passes",
+        "fetches of colour",
+        "of depth",
+        "MB",
+        "MB shared",
+        "one target: passes",
+        "fetches of colour",
+    )
+    yield f"|{'---|' * 9}"
     for method, aperture in COUNTED:
         several, single = (
             plan.frame(methods.Settings(method, aperture, use_mrt=targets), PAGE_SIZE) for targets in (True, False)
         )
         megabytes = (f"{several[key] / 1e6:.0f}" for key in ("bytes", "bytes_shared"))
-        cells = len(several["passes"]), _fetches(several), *megabytes, len(single["passes"]), _fetches(single)
-        yield _cells(f"{method}, {aperture}", *cells)
+        color, depth, _ = _fetches(several)
+        yield _cells(
+            method, aperture, len(several["passes"]), color, depth, *megabytes,
+            len(single["passes"]), _fetches(single)[0],
+        )  # fmt: skip
 
 
-def _fetches(planned: dict) -> str:
-    """Of colour and depth (and of a table's) for a pixel of the full size: '67.8+1'."""
-    counts = (round(count, 1) for count in planned["fetches"].values())
-    return "+".join(f"{count:g}" for count in counts if count)
+def _fetches(planned: dict) -> tuple[str, ...]:
+    """Return the fetches of colour, of depth and of a table for a pixel of the full size, with one decimal at most."""
+    return tuple(f"{round(count, 1):g}" for count in planned["fetches"].values())
 
 
 def _section(planned: dict) -> Iterator[str]:
@@ -294,16 +310,16 @@ def _section(planned: dict) -> Iterator[str]:
     yield from (f"## {planned['method']}, {planned['aperture']}{title}", "")
     if constants:
         yield from (f"Constants: {_values(constants)}.", "")
-    yield from ("| | entry | reads | writes | size | sets | fetches |", "|---|---|---|---|---|---|---|")
+    yield _cells("", "entry", "reads", "writes", "size", "sets", "fetches of colour", "of depth")
+    yield f"|{'---|' * 8}"
     for step in passes:
         inputs = zip(step["inputs"], COLORS, strict=False)
         reads = [s["texture"] if s["slot"] == slot else f"{s['texture']} ({s['slot']})" for s, slot in inputs]
         size = "1" if step["scale"] == 1 else f"1/{step['scale']}"
         counts = step["fetches"]
-        color = [counts["color"]] if counts["color"] or counts["depth"] else []
-        fetched = "+".join(map(str, [*color, *(counts[kind] for kind in ("depth", "table") if counts[kind])]))
         texts = (", ".join(names) for names in (reads, step["targets"]))
-        yield _cells(step["pass"], step["entry"], *texts, size, _values(step["changes"]), fetched)
+        sets = _values(step["changes"])
+        yield _cells(step["pass"], step["entry"], *texts, size, sets, counts["color"], counts["depth"])
     yield ""
 
 
