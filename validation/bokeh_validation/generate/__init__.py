@@ -269,7 +269,8 @@ def passes_page() -> Iterator[str]:
     for method, aperture in SHOWN:
         yield from _section(plan.frame(methods.Settings(method, aperture), PAGE_SIZE))
     yield from ("## Other polygons, and one target a pass", "")
-    yield "Preset MEDIUM. `naive` also fetches the 127 offsets of its table. In the last two columns a pass has one target."
+    yield "Preset MEDIUM. `naive` also fetches the 127 offsets of its table. In the last two columns, passes have one"
+    yield "target each."
     yield ""
     yield _cells(
         "method",
@@ -280,7 +281,7 @@ def passes_page() -> Iterator[str]:
         "MB",
         "MB shared",
         "one target: passes",
-        "fetches of colour",
+        "one target: fetches",
     )
     yield f"|{'---|' * 9}"
     for method, aperture in COUNTED:
