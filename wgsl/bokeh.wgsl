@@ -110,12 +110,12 @@ const BOKEH_MAX_DEPTH: f32 = 1000000000.0;
 // -------------------------------------------------------------------------------------------------
 // [2] porting: the one place where the three languages differ
 //
-//   A function that filters has the sampler as its last parameter. All else is loaded, so that its
-//   texture may be of a format that cannot be filtered (r32float, depth32float). To fetch in your
-//   own way, texture arrays for stereo for example, change this section.
+//   A function that filters has the sampler as its last parameter. All other fetches load a texel,
+//   so their textures may have a format that cannot be filtered (r32float, depth32float). To fetch
+//   in another way, from texture arrays for stereo for example, change this section.
 
-// the engine's depth buffer; also texture_depth_2d, and where it is multisampled
-// texture_multisampled_2d<f32> or texture_depth_multisampled_2d: its first sample is read
+// type of the engine's depth buffer; texture_depth_2d works too, and for multisampled depth
+// texture_multisampled_2d<f32> or texture_depth_multisampled_2d: the first sample is read
 alias BokehDepthTexture = texture_2d<f32>;
 
 // Porting: fetches with the filter from mip level 0, without gradients: allowed in loops, branches

@@ -170,14 +170,15 @@
 #error BOKEH_HLSL_SM must be 3, 4, 5 or 6
 #endif
 
-// Shader model 3 has no room for loops that are written out: it reads BokehSides in any case
+// Shader model 3 has no room for unrolled loops, so it always reads BokehSides
 #if BOKEH_HLSL_SM == 3
 #undef BOKEH_SIDES
 #define BOKEH_SIDES 0
 #endif
 
-// BOKEH_LOOP: before a loop whose count is known at run time only, or large: fxc would write it out
-//   all the same, and DXC's [loop] forbids the driver to (RADV: 2 to 16 times the latency)
+// BOKEH_LOOP stands in front of a loop whose count is large, or known only at run time. fxc would
+//   unroll it without [loop]. Under DXC it is empty: [loop] would forbid the driver to unroll
+//   (RADV: 2 to 16 times the latency)
 #if BOKEH_HLSL_SM == 4 || BOKEH_HLSL_SM == 5
 #define BOKEH_LOOP [loop]
 #else
@@ -189,8 +190,8 @@
 #endif
 #ifndef BOKEH_CUSTOM_FETCH
 
-// BOKEH_TEXTURE: the type of a texture; BOKEH_DEPTH_TEXTURE: of the engine's depth buffer
-// BOKEH_SAMPLER: the last parameter of what filters; BOKEH_LINEAR: its argument
+// BOKEH_TEXTURE is the type of a texture, BOKEH_DEPTH_TEXTURE that of the engine's depth buffer
+// BOKEH_SAMPLER is the last parameter of a function that filters, BOKEH_LINEAR its argument
 #if BOKEH_HLSL_SM == 3
 #define BOKEH_TEXTURE sampler2D
 #define BOKEH_SAMPLER
