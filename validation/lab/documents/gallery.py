@@ -58,6 +58,15 @@ CONTROLS = {
     "preset": {f"preset {name.upper()}": {"preset": name, "cut": LIGHTS} for name in ("low", "medium", "high")},
 }
 
+# The CoC in pixels that is shown at full brightness, in targets of `layered` with near CoC in r and far CoC in g
+MOST_SHOWN = 64.0
+OF_COC = ("tiles", "dilated tiles", "layer coc", "gather tiles")
+# and targets with colour
+TARGETS = (
+    ("near", "near quarter", "near strip 2", "near blurred"),
+    ("far", "far quarter", "far strip 2", "far blurred"),
+    ("mid with holes", "mid fill", "far with holes", "far fill"),
+)
 # file -> rows of pictures: caption -> what drawn() takes
 PICTURES = {
     "gallery_shapes": [
@@ -82,8 +91,8 @@ PICTURES = {
     ],
     **{f"control_{name}": [views] for name, views in CONTROLS.items()},
     "layers": [
-        {name: {"target": name, "width": 240} for name in names}
-        for names in (("near", "near blurred", "mid fill"), ("far", "far blurred", "far fill"))
+        {name: {"target": name, "width": 240, "scale": 1.0 / MOST_SHOWN} for name in OF_COC},
+        *({name: {"target": name, "width": 240} for name in names} for names in TARGETS),
     ],
 }
 
@@ -91,11 +100,12 @@ PICTURES = {
 def drawn(
     driver: Driver, method: str = "layered", aperture: str = "hexagon", exposure: float = 1.6,
     metres: float | None = None, cut: tuple[int, int, int, int] | None = None, axial: tuple[float, float] = (0.0, 0.0),
-    target: str = "result", width: int = 480, **changes,
+    target: str = "result", width: int = 480, scale: float = 0.0, **changes,
 ) -> np.ndarray:  # fmt: skip
     """market_7 as 8-bit rgb, a part of it or all in so few pixels; with `metres`, as if all were so far away.
 
     target  what a pass writes
+    scale   of CoC in pixels, which are shown as they are: near red, far green; 0: the target holds colour
     axial   what the map's CoC is shifted by for red and for blue: the frame three times, a channel of each
     """
     case = ray_traced.scene_case(ray_traced.MARKET, method, aperture)
@@ -109,6 +119,11 @@ def drawn(
         results[shift] = driver.run(others, given, case.size, keep=(target,))[target]
     channels = [results[shift][..., k] for k, shift in enumerate((axial[0], 0.0, axial[1]))]
     pixels = pictures.filmic(np.stack(channels, axis=-1), exposure)
+    if scale:
+        shown = np.clip(np.stack([channels[0], channels[1], 0.0 * channels[1]], axis=-1) * scale, 0.0, 1.0)
+        pixels = (255.0 * shown).astype(np.uint8)
+    while not cut and pixels.shape[1] <= width // 2:
+        pixels = pixels.repeat(2, axis=0).repeat(2, axis=1)
     while not cut and pixels.shape[1] > width:
         pixels = pictures.halved(pixels)
     return pictures.crop(pixels, *cut) if cut else pixels
