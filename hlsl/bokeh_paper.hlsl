@@ -48,7 +48,7 @@ float BokehPaperDepth(BOKEH_DEPTH_TEXTURE DepthSamp, float2 uv)
 
 // Listing 1: CoCMap, the first pass of `paper`
 //   Reads the engine's colour, and depth in metres. Writes colour and CoC into one texture, which
-//   all later passes read in place of the engine's, so only this pass has to replace invalid
+//   all later passes read instead of the engine's, so only this pass has to replace invalid
 //   colours.
 //   ColorSamp     linear HDR scene colour, read texel by texel
 //   DepthSamp     r = metres along the view axis
