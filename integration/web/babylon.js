@@ -82,7 +82,7 @@ function passesOf(engine, options, held, names) {
   return rows.map((row, i) => {
     const [writes, scale, call] = row;
     // in the order of the call
-    const reads = [...new Set(call.match(/\w+/g))].filter((name) => textures.includes(name));
+    const reads = [...new Set(call.match(/(?<!\.)\b\w+/g))].filter((name) => textures.includes(name));
     const pass = { row, writes, reads, scale, call, opaque: opaque && writes[0] === 'result' };
     pass.wrapper = new EffectWrapper({
       engine,

@@ -70,7 +70,7 @@ const structs = ({ sides, extras }, jitter) => ({
 export function declared([, scale, call], options, place = 0, wgsl = false) {
   const noise = `jitter * BokehNoise(uv, ceil(imageSize / ${scale}.0), frame, ${place}.0)`;
   const text = Object.entries(structs(options, options.extras.includes('jitter') ? noise : ''))
-    .filter(([name]) => new RegExp(`\\b${name}\\b`).test(call))
+    .filter(([name]) => new RegExp(`(?<!\\.)\\b${name}\\b`).test(call))
     .map(([name, [type, value, after]]) => `${wgsl ? 'var' : type} ${name} = ${value}; ${after}`)
     .join('\n    ');
   return wgsl ? inWgsl(text) : text;

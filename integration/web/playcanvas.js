@@ -152,7 +152,7 @@ class PolygonBokeh extends FramePass {
     const pass = (row, place, target) => {
       const [, scale, call] = row;
       const last = opaque && target === this.targets.at(-1);
-      const reads = Object.keys(this.textures).filter((name) => new RegExp(`\\b${name}\\b`).test(call));
+      const reads = Object.keys(this.textures).filter((name) => new RegExp(`(?<!\\.)\\b${name}\\b`).test(call));
       const shader = ShaderUtils.createShader(device, {
         uniqueName: ['bokeh', method, sides, preset, ...extras, held, last, place].join('-'),
         attributes: { aPosition: SEMANTIC_POSITION },

@@ -86,7 +86,7 @@ export const withPasses = (Base) =>
       const uniforms = Object.keys(uniformsOf(options));
       const material = (row, place) => {
         const opaque = options.opaque && !options.alpha && row[0][0] === 'result';
-        const reads = Object.keys(textures).filter((name) => new RegExp(`\\b${name}\\b`).test(row[2]));
+        const reads = Object.keys(textures).filter((name) => new RegExp(`(?<!\\.)\\b${name}\\b`).test(row[2]));
         return new ShaderMaterial({
           glslVersion: GLSL3,
           uniforms: { ...this.uniforms, ...textures }, // the same ones in every pass
