@@ -2,16 +2,17 @@
 //
 // Layered depth of field with polygonal bokeh, GLSL. Version 0.3.0. Put it after bokeh.glsl.
 //
-//   `exact` blurs each pixel by its own CoC, so near objects keep a hard outline. Here they spread
-//   over what is behind them, and what they hide is filled: docs/methods/layered.md.
+//   `exact` blurs each pixel by its own CoC, so near objects keep a hard outline. Here near objects
+//   spread over what is behind them, and what they hide is filled. docs/methods/layered.md has the
+//   frame graph, the derivations, and a table with evidence for every tuned constant.
 //
 // CONTRACT
 //   Functions only: no bindings, no entry points.
 //   In    the map of BokehSignedCoCMap: linear HDR colour, signed CoC in alpha.
-//   Out   rgb = the picture, a = signed CoC.
+//   Out   rgb = the finished image, a = signed CoC.
 //   Targets have the size of the image, or 1/2, 1/4, 1/8 of it, rounded up; linear filter, clamp,
-//   blending off. RGBA16F; what uses two channels may be RG16F.
-//   Places and CoC are in pixels here. s is a signed CoC: below 0 nearer than the focus.
+//   blending off. RGBA16F; a target that uses two channels may be RG16F.
+//   Positions and CoC are in pixels here. s is a signed CoC, below 0 in front of the focus.
 //
 //   function         size  reads                            writes
 //   TileMax          1/8   map                              tiles: largest near and far CoC, mean
@@ -33,8 +34,9 @@
 //   Composite        1     map, gatherTiles, both blurred   the finished image
 //                          layers, midFill, farFill
 //
-//   TileDilate runs twice, along rows, then along columns; LayerFirst and LayerSecond for the near
-//   layer, then for the far one. LayersFirst and LayersSecond do both, of a square or a hexagon.
+//   TileDilate runs twice, along rows, then along columns. LayerFirst and LayerSecond run for the
+//   near layer, then for the far one; LayersFirst and LayersSecond blur both layers of a square or
+//   hexagon.
 
 // -------------------------------------------------------------------------------------------------
 // [11] layers
@@ -48,9 +50,9 @@
 //   BOKEH_MIN_BRIGHTNESS    0.00001    > 0     a darker pixel does not lower the mean brightness of
 //                                              its tile any further
 //
-//   Presets: define one before bokeh.glsl, or set the constants instead; in WGSL set all three.
+//   Presets: define one before bokeh.glsl, or set the constants instead. In WGSL set all three.
 //
-//   preset                  rings      cells   cubic
+//   preset                  rings      samples cubic
 //   BOKEH_PRESET_LOW        1          11      0
 //   BOKEH_PRESET_MEDIUM     2          11      1      the default
 //   BOKEH_PRESET_HIGH       3          18      1
@@ -98,10 +100,10 @@
 #define BOKEH_MIN_BRIGHTNESS 0.00001
 #endif
 
-// Layers: where the image lies in textures of one size, all in their texels
-//   size          of the image
-//   origin        its first texel: 0, or the viewport's
-//   texel         1 / size of the textures
+// Layers: says where the image lies in textures of one size; everything in texels of that size
+//   size          width and height of the image
+//   origin        its first texel: 0, or that of the viewport
+//   texel         1 / width and 1 / height of the textures
 struct BokehGrid
 {
     vec2 size;
@@ -109,10 +111,11 @@ struct BokehGrid
     vec2 texel;
 };
 
-// Layers: what all passes need to know of the image and of this pixel
-//   uv            of this pixel
-//   size ..       as in BokehGrid; origin in multiples of 8, it counts with BOKEH_VIEWPORT 1
-//   largest       possible CoC: maxCoC of the map times the image height, pixels
+// Layers: holds what every pass needs to know of the image and of this pixel
+//   uv            of this pixel in the image
+//   size, origin, texel  as in BokehGrid, at full size; origin is a multiple of 8, and used only
+//                 with BOKEH_VIEWPORT 1
+//   largest       largest possible CoC, pixels: maxCoC of the map times the image height
 //   jitter        from BokehNoise, times its amount; 0 = none
 struct BokehLayerContext
 {
@@ -124,8 +127,9 @@ struct BokehLayerContext
     float jitter;
 };
 
-// Layers: settings for an image that fills its textures, without jitter
-//   maxCoC        fraction of the image height, as in the CoC map
+// Layers: makes the context for an image that fills its textures, without jitter
+//   imageSize     width and height, pixels
+//   maxCoC        fraction of the image height, the same as in the CoC map
 BokehLayerContext BokehMakeLayerContext(vec2 uv, vec2 imageSize, float maxCoC)
 {
     BokehLayerContext layers;
@@ -138,7 +142,7 @@ BokehLayerContext BokehMakeLayerContext(vec2 uv, vec2 imageSize, float maxCoC)
     return layers;
 }
 
-// Layers: the grid of the full size
+// Layers: returns the grid of textures of full size
 BokehGrid BokehFullGrid(BokehLayerContext layers)
 {
     BokehGrid grid;
@@ -148,7 +152,7 @@ BokehGrid BokehFullGrid(BokehLayerContext layers)
     return grid;
 }
 
-// Layers: the grid of textures of 1 / scale of the full size
+// Layers: returns the grid of textures of 1 / scale of the full size, rounded up
 BokehGrid BokehReducedGrid(BokehLayerContext layers, float scale)
 {
     BokehGrid grid;
@@ -162,8 +166,8 @@ BokehGrid BokehReducedGrid(BokehLayerContext layers, float scale)
     return grid;
 }
 
-// Layers: texture uv of a place
-//   place         texels of the grid, from the image's corner; the centre of the first is 0.5, 0.5
+// Layers: converts a position in the image to texture uv
+//   place         texels of the grid from the image's corner; the first centre is at 0.5, 0.5
 vec2 BokehGridCoords(vec2 place, BokehGrid grid)
 {
     vec2 coords = place;
@@ -175,13 +179,13 @@ vec2 BokehGridCoords(vec2 place, BokehGrid grid)
     return coords * grid.texel;
 }
 
-// Layers: one filtered fetch
+// Layers: fetches with the filter, at a position in texels of the grid
 vec4 BokehFetchGrid(BOKEH_TEXTURE tex, vec2 place, BokehGrid grid)
 {
     return BokehFetchTexture(tex, BokehGridCoords(place, grid));
 }
 
-// Layers: the same at a distance from a pixel, with fewer instructions
+// Layers: fetches with the filter at an offset from a pixel, with fewer instructions
 //   uv            of the pixel in the image
 //   offset        texels of the grid
 vec4 BokehFetchAround(BOKEH_TEXTURE tex, vec2 uv, vec2 offset, BokehGrid grid)
@@ -194,47 +198,53 @@ vec4 BokehFetchAround(BOKEH_TEXTURE tex, vec2 uv, vec2 offset, BokehGrid grid)
     return BokehFetchTexture(tex, coords);
 }
 
-// Layers: largest of the three channels
+// Layers: returns the largest of the three channels
 float BokehBrightest(vec3 color)
 {
     return max(max(color.r, color.g), color.b);
 }
 
-// Layers: how fast a share grows with the CoC, for BokehLayerWeight; 1 / pixels
-//   largest       CoC of a neighbourhood, pixels: up to startCoC there is no layer, from
-//                 fullCoC up all of it
+// Layers: returns how fast the layer weight grows with the CoC, 1 / pixels, for BokehLayerWeight
+//   largest       largest CoC that reaches this tile, pixels
+//   startCoC, fullCoC  pixels: there is no layer up to startCoC, a complete one from fullCoC
 float BokehLayerSlope(float largest, float startCoC, float fullCoC)
 {
     float gate = clamp((largest - startCoC) / (fullCoC - startCoC), 0.001, 1.0);
     return 5.0 / max(largest / gate, 2.0);
 }
 
-// Layers: the slope of the near layer
-//   It sets in from 6 to 12 pixels. From 3 to 6, or 12 to 24, canopy_12 is worse (FLIP .138 for
-//   .135): the gather is at full size, and has too few samples for more.
+// Layers: returns the slope of the near layer, which appears from 6 to 12 pixels
+//   Lower or higher, edges of small blurs get worse.
 float BokehNearSlope(float largest)
 {
     return BokehLayerSlope(largest, 6.0, 12.0);
 }
 
-// Layers: the slope of the far layer
-//   It sets in from 10 to 16 pixels. From 5 to 8 the half size shows (canopy_12: .147 for .135);
-//   from 20 to 32 no scene is worse, but the gather has to reach farther.
+// Layers: returns the slope of the far layer, which appears from 10 to 16 pixels
+//   Lower, the half resolution shows; higher, the gather has to reach farther.
 float BokehFarSlope(float largest)
 {
     return BokehLayerSlope(largest, 10.0, 16.0);
 }
 
-// Layers: how much of a pixel is in a layer: none up to 0.4 of the largest CoC around, all from 0.6
-//   From 0.2 to 0.4, what is half as near is blurred as the nearest (market_7: FLIP .184 for .180);
-//   from 0.6 to 0.8, more of it is left to the gather, and grainy (.181).
+// Layers: returns the weight of a pixel in a layer: a ramp from 0 to 1 between 0.4 and 0.6 of the
+//   largest CoC that reaches it
+//
+//      1 |          ____
+//        |         /         Ramp lower: pixels half as near are blurred like the nearest.
+//      0 |________/          Ramp higher: more is left to the gather, which is grainy.
+//        0       .4 .6   1   CoC / largest
 //   CoC           pixels: -s for the near layer, s for the far one
+//   slope         from BokehNearSlope or BokehFarSlope
 float BokehLayerWeight(float CoC, float slope)
 {
     return clamp(CoC * slope - 2.0, 0.0, 1.0);
 }
 
-// Layers: largest near and far CoC of 8 x 8 pixels; the mean logarithm of their brightness
+// Layers: finds the largest near and far CoC of a tile of 8 x 8 pixels, and its mean brightness
+//   Reads the CoC map, writes tiles. Later passes need the CoC to know how far blur reaches, and
+//   the brightness to know what is bright: relative to the mean, so exposure does not change the
+//   blur.
 //   returns       r = near, g = far, both >= 0, pixels; b = mean log2 of brightness
 vec4 BokehTileMax(BOKEH_TEXTURE MapSamp, BokehLayerContext layers)
 {
@@ -254,23 +264,29 @@ vec4 BokehTileMax(BOKEH_TEXTURE MapSamp, BokehLayerContext layers)
     return vec4(min(found.r, BOKEH_MAX_COLOR), min(found.g, BOKEH_MAX_COLOR), found.b / 64.0, 1.0);
 }
 
-// Layers: what a CoC of another tile counts for here
-//   All of it where it reaches, with a margin for the linear filter; it fades out over one tile
-//   more, so that nothing jumps as CoC change.
+// Layers: returns how much of the CoC of another tile applies here, pixels
+//   All of it within the reach of its blur plus a margin for the linear filter. It fades out over
+//   one more tile, so that nothing jumps when a CoC changes.
+//   tiles         distance of the other tile
 vec2 BokehReaching(vec2 CoC, float tiles)
 {
     vec2 share = CoC / 16.0 + 1.0 - max(tiles - 2.0, 0.0);
     return CoC * clamp(share, vec2(0.0, 0.0), vec2(1.0, 1.0));
 }
 
-// Layers: how many tiles the largest CoC reaches, with BokehReaching's margin; 127 at most
+// Layers: returns how many tiles the largest possible CoC can reach, at most 127
 float BokehReachTiles(BokehLayerContext layers)
 {
     return min(ceil(layers.largest / 16.0) + 2.0, 127.0);
 }
 
-// Layers: the largest CoC of any neighbouring tile that reaches this one; rows first, then columns
+// Layers: finds the largest near and far CoC among the tiles whose blur reaches this tile
+//   Reads tiles, then its own target: it runs twice, along rows and along columns. Writes
+//   dilatedTiles, from which every later pass knows whether a layer can be here.
+//
+//      . . K . .   -->  K K K K K      a CoC of K reaches two tiles in each direction
 //   axis          (1, 0), then (0, 1)
+//   returns       r = near, g = far, pixels; b = mean log2 of brightness of the tiles around
 vec4 BokehTileDilate(BOKEH_TEXTURE TilesSamp, vec2 axis, BokehLayerContext layers)
 {
     BokehGrid grid = BokehReducedGrid(layers, 8.0);
@@ -291,11 +307,13 @@ vec4 BokehTileDilate(BOKEH_TEXTURE TilesSamp, vec2 axis, BokehLayerContext layer
     return vec4(found, logBrightness / (2.0 * radius + 1.0), 1.0);
 }
 
-// Layers: what four pixels count for in their layer's CoC: bokeh comes from bright pixels
+// Layers: returns the weights of four pixels in the mean CoC of their layer: bright pixels have
+//   more
+//   A lamp thus gets a polygon of its own size, even among many dark pixels with another CoC.
 //   inverseBrightness  1 / mean brightness of the tiles around
-//   maxWeight     10000 at most; times the largest CoC / 8 it has to fit into a half float. The
-//                 least that BokehLayerCoCColumns takes for a layer, 0.0001 of 6 pixels, is then no
-//                 subnormal half either, which some GPUs flush to 0.
+//   maxWeight     at most 10000; times the largest CoC / 8 it has to fit into a half float. The
+//                 smallest sum that BokehLayerCoCColumns accepts as a layer, 0.0001 times 6 pixels,
+//                 is then no subnormal half, which some GPUs flush to 0.
 vec4 BokehBlurWeights(vec4 a, vec4 b, vec4 c, vec4 d, float inverseBrightness, float maxWeight)
 {
     vec4 brightest = vec4(BokehBrightest(a.rgb), BokehBrightest(b.rgb), BokehBrightest(c.rgb),
@@ -304,10 +322,10 @@ vec4 BokehBlurWeights(vec4 a, vec4 b, vec4 c, vec4 d, float inverseBrightness, f
         maxWeight));
 }
 
-// Layers: what BokehPrefilter writes
-//   nearLayer, farLayer  rgb times share, share
+// Layers: holds what BokehPrefilter writes
+//   nearLayer, farLayer  rgb times layer weight, layer weight
 //   layerCoCSums  for the mean CoC of both layers: CoC / 8 times weight, weight
-//   gatherCoC     rg = largest near and far CoC that is not wholly in its layer, pixels
+//   gatherCoC     rg = largest near and far CoC that is not completely in its layer, pixels
 struct BokehPrefiltered
 {
     vec4 nearLayer;
@@ -316,15 +334,17 @@ struct BokehPrefiltered
     vec4 gatherCoC;
 };
 
-// Layers: BokehLayerWeight of four pixels
+// Layers: returns BokehLayerWeight of four pixels
 vec4 BokehLayerWeights(vec4 CoC, float slope)
 {
     return clamp(CoC * slope - 2.0, vec4(0.0, 0.0, 0.0, 0.0), vec4(1.0, 1.0, 1.0, 1.0));
 }
 
-// Layers: what is around a near edge: rgb = darkest near colour, a = brightest of what is behind
-//   found         of the pixels before this one
-//   nearest       largest share: from a half of it a pixel is near
+// Layers: collects what is around a near edge: the darkest near colour, the brightest behind it
+//   found         of the pixels so far
+//   pixel         one more
+//   nearWeight    its layer weight; from half of maxNearWeight it is near
+//   returns       rgb = darkest near colour, a = brightness of the brightest pixel behind
 vec4 BokehSurroundings(vec4 found, vec4 pixel, float nearWeight, float maxNearWeight)
 {
     vec4 result = vec4(min(found.rgb, pixel.rgb), found.a);
@@ -335,9 +355,9 @@ vec4 BokehSurroundings(vec4 found, vec4 pixel, float nearWeight, float maxNearWe
     return result;
 }
 
-// Layers: a near pixel without the light from behind that antialiasing has put into it
+// Layers: removes from a near pixel the light from behind that antialiasing has mixed into it
 //   around        from BokehSurroundings
-//   returns       colour, share
+//   returns       rgb = colour, a = layer weight
 vec4 BokehNearPixel(vec4 pixel, float nearWeight, vec4 around)
 {
     vec4 result = vec4(pixel.rgb, nearWeight);
@@ -355,7 +375,11 @@ vec4 BokehNearPixel(vec4 pixel, float nearWeight, vec4 around)
     return result;
 }
 
-// Layers: near and far layer at half size, and what is known of their CoC
+// Layers: sorts the pixels into a near and a far layer at half size
+//   Reads the CoC map and dilatedTiles. Writes both layers, and two sums for the passes after it:
+//   layerCoCSums, from which the CoC of each layer follows, and gatherCoC, which says how far the
+//   gather has to reach. Antialiased pixels of near edges hold light of what is behind; if that is
+//   bright, it is removed first, or it would be blurred into a false rim.
 BokehPrefiltered BokehPrefilter(BOKEH_TEXTURE MapSamp, BOKEH_TEXTURE DilatedTilesSamp,
     BokehLayerContext layers)
 {
@@ -387,8 +411,8 @@ BokehPrefiltered BokehPrefilter(BOKEH_TEXTURE MapSamp, BOKEH_TEXTURE DilatedTile
     vec4 nearSum = vec4(0.0, 0.0, 0.0, 0.0);
     if (maxNearWeight > 0.0)
     {
-        // an antialiased pixel of a near edge holds light of what is behind it: where that is
-        // brighter, no near pixel stays brighter than the darkest one around
+        // an antialiased pixel of a near edge holds light of what is behind it: if that is
+        // brighter, limit all near pixels to the darkest one around
         vec4 around = vec4(BOKEH_MAX_COLOR, BOKEH_MAX_COLOR, BOKEH_MAX_COLOR, 0.0);
         around = BokehSurroundings(around, a, nearWeights.x, maxNearWeight);
         around = BokehSurroundings(around, b, nearWeights.y, maxNearWeight);
@@ -399,7 +423,7 @@ BokehPrefiltered BokehPrefilter(BOKEH_TEXTURE MapSamp, BOKEH_TEXTURE DilatedTile
             for (int x = 0; x < 4; x++)
             {
                 vec2 offset = vec2(float(x) - 1.5, float(y) - 1.5);
-                // but those four
+                // the four pixels of this texel are done
                 if (max(abs(offset.x), abs(offset.y)) > 1.0)
                 {
                     vec4 pixel = BokehFetchGrid(MapSamp, middle + offset, full);
@@ -427,7 +451,7 @@ BokehPrefiltered BokehPrefilter(BOKEH_TEXTURE MapSamp, BOKEH_TEXTURE DilatedTile
     return targets;
 }
 
-// Layers: what is known of the CoC of a tile, and of those around
+// Layers: holds what is known of the CoC of a tile, and later of the tiles around it
 //   gatherCoC     rg = the largest
 //   sums          the mean of layerCoCSums
 struct BokehTileSums
@@ -436,7 +460,9 @@ struct BokehTileSums
     vec4 sums;
 };
 
-// Layers: layerCoCSums and gatherCoC of BokehPrefilter for each tile
+// Layers: reduces layerCoCSums and gatherCoC to tiles
+//   Reads both at half size, writes the mean of the first and the maximum of the second for each
+//   tile, so that the two passes after it have few texels to read.
 BokehTileSums BokehLayerCoCReduce(BOKEH_TEXTURE SumsSamp, BOKEH_TEXTURE GatherCoCSamp,
     BokehLayerContext layers)
 {
@@ -459,15 +485,15 @@ BokehTileSums BokehLayerCoCReduce(BOKEH_TEXTURE SumsSamp, BOKEH_TEXTURE GatherCo
     return targets;
 }
 
-// Layers: BokehLayerCoCRows along any axis
+// Layers: does the work of BokehLayerCoCRows along any axis
 //   axis          (1, 0) or (0, 1)
 BokehTileSums BokehLayerCoCAlong(BOKEH_TEXTURE GatherCoCSamp, BOKEH_TEXTURE SumsSamp,
     BOKEH_TEXTURE DilatedTilesSamp, vec2 axis, BokehLayerContext layers)
 {
     BokehGrid grid = BokehReducedGrid(layers, 8.0);
     vec2 tile = BokehFetchGrid(DilatedTilesSamp, layers.uv * grid.size, grid).rg;
-    // in tiles; twice as wide, a blur takes its size from too far away (market_7: FLIP .193 for
-    // .180), half as wide, the kernel changes within one light
+    // in tiles; wider, a light takes its CoC from too far away; narrower, the CoC changes within
+    // one light
     vec2 sigma = max(tile * 0.0375, vec2(0.6, 0.6));
     float radius = BokehReachTiles(layers);
     vec4 sums = vec4(0.0, 0.0, 0.0, 0.0);
@@ -494,29 +520,29 @@ BokehTileSums BokehLayerCoCAlong(BOKEH_TEXTURE GatherCoCSamp, BOKEH_TEXTURE Sums
     return targets;
 }
 
-// Layers: gatherCoC and sums of the tiles around, along rows
-//   GatherCoCSamp, SumsSamp  what BokehLayerCoCReduce wrote
-//   returns       gatherCoC: the largest that reach here; sums: their mean, by a Gaussian as wide
-//                 as the CoC that reach here
+// Layers: combines gatherCoC and sums of the tiles around, along rows
+//   Reads what BokehLayerCoCReduce wrote, and dilatedTiles. Writes the largest gatherCoC that
+//   reaches each tile, and a mean of the sums by a Gaussian as wide as the CoC in reach.
 BokehTileSums BokehLayerCoCRows(BOKEH_TEXTURE GatherCoCSamp, BOKEH_TEXTURE SumsSamp,
     BOKEH_TEXTURE DilatedTilesSamp, BokehLayerContext layers)
 {
     return BokehLayerCoCAlong(GatherCoCSamp, SumsSamp, DilatedTilesSamp, vec2(1.0, 0.0), layers);
 }
 
-// Layers: what BokehLayerCoCColumns writes
-//   gatherTiles   largest near and far CoC whose blur reaches this tile, then the same of gatherCoC
-//                 alone; pixels
-//   layerCoC      rg = CoC to blur the near and the far layer by, pixels; 0 where there is no layer
+// Layers: holds what BokehLayerCoCColumns writes
+//   gatherTiles   largest near and far CoC whose blur reaches this tile, then the largest near and
+//                 far gatherCoC; pixels
+//   layerCoC      rg = CoC to blur the near and the far layer with, pixels; 0 without a layer
 struct BokehLayerCoCTargets
 {
     vec4 gatherTiles;
     vec4 layerCoC;
 };
 
-// Layers: the same along columns, and the CoC that the layers are blurred by
-//   One kernel for a neighbourhood and layer is what makes its blur separable.
-//   GatherCoCSamp, SumsSamp  what BokehLayerCoCRows wrote
+// Layers: combines along columns, and divides: one CoC for each layer and tile
+//   Reads what BokehLayerCoCRows wrote, and dilatedTiles. Writes gatherTiles for Composite and
+//   layerCoC for the passes that blur the layers: a blur can be separated into two passes only
+//   where all pixels around use one CoC.
 BokehLayerCoCTargets BokehLayerCoCColumns(BOKEH_TEXTURE GatherCoCSamp, BOKEH_TEXTURE SumsSamp,
     BOKEH_TEXTURE DilatedTilesSamp, BokehLayerContext layers)
 {
@@ -541,25 +567,24 @@ BokehLayerCoCTargets BokehLayerCoCColumns(BOKEH_TEXTURE GatherCoCSamp, BOKEH_TEX
 }
 
 // -------------------------------------------------------------------------------------------------
-// [12] quarter size: levels of the layers, and what the near layer hides
+// [12] quarter size: smooth copies of the layers, and the background that the near layer hides
 
-// Layers: CoC that the near and the far layer are blurred by here, pixels
+// Layers: returns the CoC that the near and the far layer are blurred with here, pixels
 vec2 BokehLayerCoC(BOKEH_TEXTURE LayerCoCSamp, BokehLayerContext layers)
 {
     vec2 place = layers.uv * ceil(layers.size / 2.0) / 4.0;
     return BokehFetchGrid(LayerCoCSamp, place, BokehReducedGrid(layers, 8.0)).rg;
 }
 
-// Layers: how a layer is blurred at one place
-//   CoC           texels of the half size; 0.5 where there is no layer, or nothing to do (compare
-//                 with 0.51: a GPU's root of 0.25 may be a little more)
-//   spacing       of the samples on an edge, texels: 1 or more; an edge of a hexagon has at most
+// Layers: says how a layer is blurred at one point
+//   CoC           texels of the half size; 0.5 if there is no layer or nothing to do (compare with
+//                 0.51, since a GPU's root of 0.25 may be a little more)
+//   spacing       between samples on an edge, texels, at least 1; an edge of a hexagon has at most
 //                 BOKEH_LAYER_SAMPLES samples
-//   useQuarterLayer  whether the first pass reads the layer at quarter size: samples are too far
-//                 apart for the half size
-//   sideTap       weight of the texels beside the middle one in that layer, so that it has a zero
-//                 near 1 / spacing. More makes edges soft, less leaves dots (hexagon, 216 pixels:
-//                 ripple .16 with 1, .24 with 0, .05 so).
+//   useQuarterLayer  true: the first pass reads the layer at quarter size, because samples are too
+//                 far apart for the half size
+//   sideTap       weight of the texels beside the middle one in the quarter-size filter, which then
+//                 has a zero near 1 / spacing; more makes edges soft, less leaves dots
 struct BokehBlur
 {
     float CoC;
@@ -569,13 +594,11 @@ struct BokehBlur
 };
 
 // Layers: chooses how a layer is blurred from its CoC
-//   Averaging 2 x 2 pixels and the linear filter blur by themselves: selfBlur takes 9 off the
-//   squared CoC for that, and 14 more for the quarter size. With 0 layers are too soft (market_7:
-//   FLIP rises from .180 to .186), with 16 near ones are too sharp (street_11: from .041 to .044).
-//   Far lights: small ones keep their size by a smaller value (overlap with a decagon of 20 pixels:
-//   .89 against .87), wide ones get edges as hard as the truth's by a larger one (market_7: .179
-//   against .180). Near lights have harder edges: with a minSpacing below 1.15 market_7 rises from
-//   .179 to .182, above 2 dots show.
+//   selfBlur is the blur that 2 x 2 averages and the linear filter cause, subtracted from the
+//   squared CoC: lower, layers are too soft; higher, near ones are too sharp. A far layer uses less
+//   of it for small lights, to keep their size, and more for wide ones, to get hard edges.
+//   minSpacing is the spacing from which the quarter size is read: lower, near edges get soft;
+//   higher, dots show.
 //   layerCoC      from BokehLayerCoC
 BokehBlur BokehLayerBlur(vec2 layerCoC, bool isFar, BokehPolygon polygon)
 {
@@ -588,7 +611,7 @@ BokehBlur BokehLayerBlur(vec2 layerCoC, bool isFar, BokehPolygon polygon)
         minSpacing = 1.15;
         selfBlur = clamp(0.06 * CoC * CoC, 7.5, 22.0);
     }
-    // a square has one line where others have more
+    // a square has only one line in each pass
     float spacing = 0.5 * CoC / float(BOKEH_LAYER_SAMPLES);
     float hard = 0.4;
     if (polygon.sides < 6)
@@ -609,7 +632,7 @@ BokehBlur BokehLayerBlur(vec2 layerCoC, bool isFar, BokehPolygon polygon)
     return blur;
 }
 
-// Layers: samples a layer for its quarter size
+// Layers: samples a layer for its copy at quarter size, as smooth as samples are apart
 //   center        texels of the half size
 //   side          sideTap of BokehBlur
 vec4 BokehQuarterLayer(BOKEH_TEXTURE LayerSamp, vec2 center, float side, BokehLayerContext layers)
@@ -637,10 +660,10 @@ vec4 BokehQuarterLayer(BOKEH_TEXTURE LayerSamp, vec2 center, float side, BokehLa
     return sum;
 }
 
-// Layers: what BokehDownsample writes
-//   midWithHoles, farWithHoles  pixels between the layers, and the far layer: rgb times weight,
-//                 weight
-//   nearQuarter, farQuarter  the two layers of BokehPrefilter
+// Layers: holds what BokehDownsample writes
+//   midWithHoles, farWithHoles  pixels in neither layer, and those of the far layer: rgb times
+//                 weight, weight
+//   nearQuarter, farQuarter  smooth copies of the two layers
 struct BokehDownsampled
 {
     vec4 midWithHoles;
@@ -649,8 +672,10 @@ struct BokehDownsampled
     vec4 farQuarter;
 };
 
-// Layers: levels of the layers; and what is not near, as weighted sums
-//   Bright pixels weigh less: a light would fill the whole hole.
+// Layers: makes smooth copies of the layers, and collects the background, all at quarter size
+//   Reads the CoC map, dilatedTiles, both layers and layerCoC. Writes nearQuarter and farQuarter
+//   for wide blurs, and midWithHoles and farWithHoles, which have holes where near objects are.
+//   Bright pixels have less weight in the background, or one light would fill a whole hole.
 BokehDownsampled BokehDownsample(BOKEH_TEXTURE MapSamp, BOKEH_TEXTURE DilatedTilesSamp,
     BOKEH_TEXTURE NearSamp, BOKEH_TEXTURE FarSamp, BOKEH_TEXTURE LayerCoCSamp, BokehPolygon polygon,
     BokehLayerContext layers)
@@ -671,7 +696,7 @@ BokehDownsampled BokehDownsample(BOKEH_TEXTURE MapSamp, BOKEH_TEXTURE DilatedTil
             vec2 place = first + vec2(float(x), float(y));
             vec4 pixel = BokehFetchGrid(MapSamp, place, full);
             float s = pixel.a * full.size.y;
-            // what is partly near is hardly background: a near light would shine through itself
+            // a partly near pixel is hardly background, or a near light would shine through itself
             float nearWeight = BokehLayerWeight(-s, nearSlope);
             float notNear = max(1.0 - 2.0 * nearWeight, 0.0625 - 0.0625 * nearWeight);
             float farWeight = BokehLayerWeight(s, farSlope);
@@ -692,32 +717,32 @@ BokehDownsampled BokehDownsample(BOKEH_TEXTURE MapSamp, BOKEH_TEXTURE DilatedTil
     return targets;
 }
 
-// Layers: direction of edge k, as drawn, but not squeezed
+// Layers: returns the direction of edge k, rotated but not squeezed
 vec2 BokehEdgeDirection(int k, BokehPolygon polygon)
 {
     vec2 outwards = BokehTurn(float(k), polygon);
     return BokehRotated(vec2(-outwards.y, outwards.x), polygon.axis);
 }
 
-// Layers: how many samples of a ring are on each edge of the polygon
-//   6 on the first ring, 12 on the second and so on, shared out among the sides: all rings are
-//   sampled as densely. A polygon of more sides than that has one a side.
+// Layers: returns how many samples of a ring lie on each edge of the polygon
+//   There are 6 on the first ring, 12 on the second and so on, divided among the edges, so all
+//   rings are sampled with the same density. A polygon with more sides than that has one on each.
 int BokehSamplesPerEdge(int ring, BokehPolygon polygon)
 {
     return int(max(6.0 * float(ring) / float(polygon.sides) + 0.5, 1.0));
 }
 
-// Layers: shares of what is between the layers and of the far layer: the weights of BokehDownsample
-//   without those of brightness
+// Layers: returns the weights of middle and far as BokehDownsample had them before brightness
+//   w (1 + brightness / mean) = the weight without brightness.
 vec2 BokehHoleWeights(vec4 middle, vec4 far, float inverseBrightness)
 {
     return vec2(middle.a + BokehBrightest(middle.rgb) * inverseBrightness, far.a +
         BokehBrightest(far.rgb) * inverseBrightness);
 }
 
-// Layers: what BokehHoleFill writes
-//   midFill       what lies between the layers; a = its share of what is around
-//   farFill       the far layer
+// Layers: holds what BokehHoleFill writes
+//   midFill       rgb = pixels in neither layer, a = their fraction of the background around
+//   farFill       rgb = the far layer
 struct BokehFilled
 {
     vec4 midFill;
@@ -787,11 +812,13 @@ BokehFilled BokehHoleFill(BOKEH_TEXTURE MidSamp, BOKEH_TEXTURE FarSamp,
 // -------------------------------------------------------------------------------------------------
 // [13] polygons at half size
 //
-//   The parallelograms of [5], without weights and without a leakage test: a layer has nothing in
-//   it that must not spread. All four channels are blurred alike.
+//   The parallelograms of [5], without weights and without a leakage test, because a layer holds
+//   nothing that must not spread. All four channels are blurred, so alpha becomes the coverage.
 
-// Layers: mean of the samples along edge k; in the second pass times its parallelograms' area
-//   blur          from BokehLayerBlur; its useQuarterLayer says whether QuarterSamp is read
+// Layers: averages the samples along edge k; in the second pass times its parallelograms' area
+//   tex           the layer, or a strip
+//   QuarterSamp   the layer at quarter size, read if useQuarterLayer of blur is true
+//   blur          from BokehLayerBlur
 vec4 BokehLayerLine(BOKEH_TEXTURE tex, BOKEH_TEXTURE QuarterSamp, int k, BokehPolygon polygon,
     bool secondPass, BokehBlur blur, BokehLayerContext layers)
 {
@@ -830,20 +857,22 @@ vec4 BokehLayerLine(BOKEH_TEXTURE tex, BOKEH_TEXTURE QuarterSamp, int k, BokehPo
     return sum;
 }
 
-// Layers: what the first pass writes for edge k: the lines along the edges before it, weighted by
-//   their parallelograms
+// Layers: computes strip k of the first pass: the lines along the edges before it, weighted by the
+//   areas of their parallelograms
 vec4 BokehLayerTarget(int k, BokehPolygon polygon, vec4 L1, vec4 L2, vec4 L3, vec4 L4)
 {
     vec4 w = BokehEdgeWeights(k, polygon);
     return (L1 * w.x + L2 * w.y + L3 * w.z + L4 * w.w) / (w.x + w.y + w.z + w.w);
 }
 
-// Layers: first pass over a layer
+// Layers: blurs a layer, first pass
+//   Reads a layer and layerCoC, and writes its strips, as the first pass of `exact` does but
+//   without weights. A wide blur reads the smooth copy at quarter size, so that polygons stay flat.
 //   LayerSamp     nearLayer or farLayer of BokehPrefilter
 //   QuarterSamp   nearQuarter or farQuarter of BokehDownsample
 //   layerCoC      from BokehLayerCoC
 //   isFar         false: the near layer
-//   last, returns as of BokehExactFirst
+//   last          as in BokehExactFirst
 BokehTargets BokehLayerFirst(BOKEH_TEXTURE LayerSamp, BOKEH_TEXTURE QuarterSamp, vec2 layerCoC,
     bool isFar, int last, BokehPolygon polygon, BokehLayerContext layers)
 {
@@ -884,9 +913,11 @@ BokehTargets BokehLayerFirst(BOKEH_TEXTURE LayerSamp, BOKEH_TEXTURE QuarterSamp,
     return targets;
 }
 
-// Layers: second pass: the finished layer
-//   Strip2Samp ..  what the first pass wrote; where there are fewer, any of them: it is not read
-//   returns       rgb times share, share
+// Layers: blurs a layer, second pass
+//   Reads the strips and layerCoC, and writes the finished layer.
+//   Strip2Samp, Strip3Samp, Strip4Samp, Strip5Samp  from the first pass; pass any texture for a
+//                 strip that the polygon does not have, since it is not read
+//   returns       rgb times coverage, coverage
 vec4 BokehLayerSecond(BOKEH_TEXTURE Strip2Samp, BOKEH_TEXTURE Strip3Samp, BOKEH_TEXTURE Strip4Samp,
     BOKEH_TEXTURE Strip5Samp, vec2 layerCoC, bool isFar, BokehPolygon polygon,
         BokehLayerContext layers)
@@ -919,7 +950,7 @@ vec4 BokehLayerSecond(BOKEH_TEXTURE Strip2Samp, BOKEH_TEXTURE Strip3Samp, BOKEH_
     return result;
 }
 
-// Layers: what BokehLayersFirst writes; the two of edge 3 are of a hexagon
+// Layers: holds what BokehLayersFirst writes; only a hexagon uses those of edge 3
 struct BokehLayersTargets
 {
     vec4 nearStrip2;
@@ -928,7 +959,7 @@ struct BokehLayersTargets
     vec4 farStrip3;
 };
 
-// Layers: BokehLayerFirst of both layers, for a square or a hexagon
+// Layers: blurs both layers of a square or a hexagon, first pass
 BokehLayersTargets BokehLayersFirst(BOKEH_TEXTURE NearSamp, BOKEH_TEXTURE NearQuarterSamp,
     BOKEH_TEXTURE FarSamp, BOKEH_TEXTURE FarQuarterSamp, vec2 layerCoC, BokehPolygon polygon,
     BokehLayerContext layers)
@@ -946,14 +977,15 @@ BokehLayersTargets BokehLayersFirst(BOKEH_TEXTURE NearSamp, BOKEH_TEXTURE NearQu
     return targets;
 }
 
-// Layers: the finished layers
+// Layers: holds the finished layers
 struct BokehBlurred
 {
     vec4 near;
     vec4 far;
 };
 
-// Layers: BokehLayerSecond of both; of a square the two of edge 3 are any textures: not read
+// Layers: blurs both layers of a square or a hexagon, second pass
+//   For a square pass any textures as strips 3: they are not read.
 BokehBlurred BokehLayersSecond(BOKEH_TEXTURE NearStrip2Samp, BOKEH_TEXTURE FarStrip2Samp,
     BOKEH_TEXTURE NearStrip3Samp, BOKEH_TEXTURE FarStrip3Samp, vec2 layerCoC, BokehPolygon polygon,
     BokehLayerContext layers)
@@ -967,14 +999,15 @@ BokehBlurred BokehLayersSecond(BOKEH_TEXTURE NearStrip2Samp, BOKEH_TEXTURE FarSt
 }
 
 // -------------------------------------------------------------------------------------------------
-// [14] the picture
+// [14] the finished image
 
-// Layers: a half-size layer at a place of the full size
-//   Catmull-Rom without its corners, five fetches: bilinear makes the edges of polygons ragged. It
-//   overshoots, so it is clamped to its five fetches, or lights had dark rims and too much light.
+// Layers: enlarges a half-size layer, at one position
+//   Catmull-Rom without its corners, in five fetches; bilinear would make the edges of polygons
+//   ragged. It overshoots, so the result is clamped to the five fetches, or lights would have dark
+//   rims and too much light.
 //
-//            t          w0     weights from the texel before to the second one after;
-//          l c r      w1 + w2  c, the middle fetch, takes two by two texels
+//            t          w0     weights, from the texel before to the second one after;
+//          l c r      w1 + w2  c, the middle fetch, covers two by two texels
 //            b          w3
 //
 //   place         texels of the half size
@@ -1007,30 +1040,33 @@ vec4 BokehFetchLayer(BOKEH_TEXTURE LayerSamp, vec2 place, BokehGrid halves)
     return result;
 }
 
-// Layers: 1 / radius^2 of what two CoC spread over, pixels
-//   For r = CoC / 2 that is (r^2 + 0.6) / r^4: pixels and the linear filter blur by themselves. 0.6
-//   suits input of one sample per pixel, 1.2 antialiased input.
+// Layers: returns 1 / radius^2 of the discs over which two CoC spread, pixels
+//   With r = CoC / 2 it is (r^2 + 0.6) / r^4: pixels and the linear filter blur already. 0.6 suits
+//   input of one sample per pixel, 1.2 antialiased input.
 vec2 BokehSpreadInverse(vec2 CoC)
 {
     vec2 inverse = 1.0 / max(CoC * CoC, vec2(0.000001, 0.000001));
     return inverse * (inverse * 9.6 + 4.0);
 }
 
-// Layers: outer border of a ring of the gather, pixels; 0: of the middle
-//   spacing       between rings
-//   narrowing     0: evenly spaced; 1: closer to the middle, but not closer than a pixel
+// Layers: returns the outer border of a ring of the gather, pixels; ring 0 is the inner disc
+//   spacing       between rings, pixels
+//   narrowing     0: evenly spaced; 1: closer to the centre, but never closer than a pixel
 float BokehRingBorder(int ring, float radius, float spacing, float narrowing)
 {
     float even = spacing * (float(ring) + 0.5);
     return max(even + even * (even / radius - 1.0) * narrowing, min(even, float(ring) + 0.5));
 }
 
-// Layers: the gather around a pixel, as far as it has come
-//   sum, front    colour and weight of all that it found, and of what is in front of this pixel
-//   farFound     of what it found in the far layer
-//   s, inverse, nearWeight  of this pixel: signed CoC, BokehSpreadInverse, share of the near layer
-//   slopes        of the near and the far layer; snapping: 0 = linear filter, 100 = nearest texel
-//   bounds        of a sample's 1 / radius^2: what spreads over the radius, over the middle
+// Layers: holds the gather around a pixel, as far as it has come
+//   sum           colour times weight and weight of everything found
+//   front         the same of what is in front of this pixel
+//   farFound      weight of what was found in the far layer
+//   s, inverse, nearWeight  of this pixel: signed CoC in pixels, BokehSpreadInverse, near layer
+//                 weight
+//   slopes        of the near and the far layer
+//   snapping      0: linear filter, 100: nearest texel
+//   bounds        limits of a sample's 1 / radius^2: of the gather's radius, of the inner disc
 //   inner         where the next ring begins, pixels
 struct BokehGather
 {
@@ -1046,10 +1082,10 @@ struct BokehGather
     float inner;
 };
 
-// Layers: one more ring of the gather
-//   onEdge        samples on an edge; where they and the polygon's sides are literals, compilers
-//                 write both loops out
-//   outer         where it ends, pixels
+// Layers: gathers one more ring
+//   onEdge        samples on an edge; if they and the polygon's sides are literals, compilers
+//                 unroll both loops
+//   outer         where the ring ends, pixels
 BokehGather BokehGatherRing(BokehGather before, BOKEH_TEXTURE MapSamp, int ring, int onEdge,
     float outer, BokehPolygon polygon, BokehLayerContext layers)
 {
@@ -1118,11 +1154,15 @@ BokehGather BokehGatherRing(BokehGather before, BOKEH_TEXTURE MapSamp, int ring,
     return gather;
 }
 
-// Layers: the last pass: a gather over what is in no layer, and all of it together
-//   Each sample counts by its own CoC, spread over the area that it covers; from behind this
-//   pixel's surface by this pixel's CoC. What is in a layer is left out; the layers are put over it
-//   and behind it. The table at the top says what it reads.
-//   returns       rgb = the picture, a = signed CoC of this pixel
+// Layers: gathers the pixels in neither layer, and composites everything; the last pass
+//   Reads the CoC map, gatherTiles, both blurred layers and both fills. Each gathered sample
+//   spreads over its own disc; one behind this pixel's surface over this pixel's disc. Pixels of a
+//   layer are left out of the gather. From back to front:
+//
+//      farFill, far layer, midFill   (the fills only behind near pixels)
+//      gathered pixels
+//      near layer
+//   returns       rgb = the finished image, a = signed CoC of this pixel
 vec4 BokehComposite(BOKEH_TEXTURE MapSamp, BOKEH_TEXTURE GatherTilesSamp, BOKEH_TEXTURE NearSamp,
     BOKEH_TEXTURE FarSamp, BOKEH_TEXTURE MidFillSamp, BOKEH_TEXTURE FarFillSamp,
         BokehPolygon polygon, BokehLayerContext layers)
