@@ -437,23 +437,35 @@ float3 BokehBrighter(float3 brightest, float4 color, float2 direction)
     return result;
 }
 
-// Listing 1: the brightest of the four pixels next to this one, where it is a light beside it
-//   The later passes filter the map. Between a small light and the pixels around it they get a
-//   mixture of both colours, which is almost all light, with a mixture of both CoC. BokehLightCoC
-//   gives those pixels the CoC of the light, so that the mixture has it too.
+// Listing 1: finds the light beside a pixel among the four pixels next to it
+//   Two kinds of pixel take the CoC of a light beside them (BokehLightCoC). One is much darker than
+//   the light: the later passes filter the map, and between a light and its surroundings they get a
+//   mixture that is almost all light, and needs the light's CoC. The other is the rim of the light:
+//   antialiasing has put light into its colour, while its depth may be that of the background.
+//
+//      . . # O      a rim # is darker than the light O and brighter than the background .
+//      . # O O
+//
 //   color         of this pixel; right, left, below, above: of those; below is the next row in
 //                 memory; across the border of the image: of this pixel again
-//   returns       xy = direction of that pixel, pixels; z = weight for BokehLightCoC: 0 up to 4
-//                 times the brightness of this pixel, 1 from 8 times
+//   returns       xy = direction of that pixel, pixels; z = weight for BokehLightCoC. A dark pixel:
+//                 0 up to a light of 4 times its brightness, 1 from 8 times. A rim: 0 up to 1.3
+//                 times the brightness of its darkest neighbour, 1 from 1.5 times.
 float3 BokehLightBeside(float4 color, float4 right, float4 left, float4 below, float4 above)
 {
-    float minBrightness = max(4.0 * BokehBrightness(color), 0.0000001);
-    float3 brightest = float3(0.0, 0.0, minBrightness);
+    float brightness = max(BokehBrightness(color), 0.0000001);
+    float darkest = min(min(BokehBrightness(right), BokehBrightness(left)),
+        min(BokehBrightness(below), BokehBrightness(above)));
+    float3 brightest = float3(0.0, 0.0, brightness);
     brightest = BokehBrighter(brightest, right, float2(1.0, 0.0));
     brightest = BokehBrighter(brightest, left, float2(-1.0, 0.0));
     brightest = BokehBrighter(brightest, below, float2(0.0, 1.0));
     brightest = BokehBrighter(brightest, above, float2(0.0, -1.0));
-    return float3(brightest.xy, min(brightest.z / minBrightness - 1.0, 1.0));
+    float ratio = brightest.z / brightness;
+    float dark = clamp(0.25 * ratio - 1.0, 0.0, 1.0);
+    float rim = clamp(5.0 * brightness / max(darkest, 0.0000001) - 6.5, 0.0, 1.0) *
+        clamp(10.0 * ratio - 10.0, 0.0, 1.0);
+    return float3(brightest.xy, max(dark, rim));
 }
 
 // Listing 1: the same from a texture

@@ -395,8 +395,8 @@ fn BokehPrefilter(MapSamp: texture_2d<f32>, DilatedTilesSamp: texture_2d<f32>,
             for (var x: i32 = 0; x < 4; x++)
             {
                 let offset: vec2f = vec2f(f32(x) - 1.5, f32(y) - 1.5);
-                // the four pixels of this texel are done
-                if (max(abs(offset.x), abs(offset.y)) > 1.0)
+                // the eight that share an edge with those four
+                if (abs(abs(offset.x) + abs(offset.y) - 2.0) < 0.5)
                 {
                     let pixel: vec4f = BokehFetchGrid(MapSamp, middle + offset, full,
                         BokehLinearClamp);
@@ -753,18 +753,18 @@ fn BokehHoleFill(MidSamp: texture_2d<f32>, FarSamp: texture_2d<f32>,
     var mid: vec4f = BokehFetchGrid(MidSamp, center, grid, BokehLinearClamp);
     var far: vec4f = BokehFetchGrid(FarSamp, center, grid, BokehLinearClamp);
     var weights: vec2f = BokehHoleWeights(mid, far, inverseBrightness);
-    for (var ring: i32 = 1; ring < 3; ring++)
+    for (var ring: i32 = 0; ring < 4; ring++)
     {
         // no near layer, no holes
         if (nearCoC < 6.0)
         {
             break;
         }
-        // diameter in quarter pixels; the rings reach half the CoC
-        let diameter: f32 = max(nearCoC / 8.0, 2.0) * f32(ring);
-        let weight: f32 = 1.0 / (1.0 + 4.0 * diameter * diameter);
+        // diameter in texels; the rings reach an eighth, a quarter, a half and all of the CoC
+        let diameter: f32 = max(nearCoC / 8.0, 2.0) * exp2(f32(ring) - 2.0);
+        let weight: f32 = 1.0 / (1.0 + 4.0 * diameter * diameter * diameter);
         let scale: vec2f = vec2f(polygon.squeeze * diameter, diameter);
-        let onEdge: i32 = BokehSamplesPerEdge(ring, polygon);
+        let onEdge: i32 = BokehSamplesPerEdge(1, polygon);
         for (var edge: i32 = 1; edge <= polygon.sides; edge++)
         {
             let along: vec2f = direction * (BokehEdgeLength(edge, polygon) / f32(onEdge));
@@ -1111,9 +1111,9 @@ fn BokehGatherRing(before: BokehGather, MapSamp: texture_2d<f32>, ring: i32, onE
     let innerSquare: f32 = gather.inner * gather.inner;
     let area: f32 = outer * outer - innerSquare;
     var phase: f32 = layers.jitter * clamp(current / f32(ring) - 1.0, 0.0, 1.0);
-    if (ring == 1)
+    if (ring != 2 && onEdge == BokehSamplesPerEdge(1, polygon))
     {
-        // between the corners, where the next ring has gaps (canopy_12: .138 for .140)
+        // a ring of few samples: between the corners, where the ring beside it has gaps
         phase += 0.5;
     }
     // the upright polygon's x and y, in pixels: what is done with those is known to compilers
@@ -1207,6 +1207,11 @@ fn BokehComposite(MapSamp: texture_2d<f32>, GatherTilesSamp: texture_2d<f32>,
         {
             rings += 1.0;
         }
+        // a gather that reaches far has one ring more, of few samples: with wide gaps between the
+        // rings a thin bright line shows as a row of copies
+        let wideRings: f32 = min(radius / 3.0, f32(BOKEH_LAYER_RINGS) + 1.0);
+        let denseRings: f32 = rings;
+        rings = max(rings, wideRings);
         // rings closer than a pixel find nothing new; .499: the last ends at the radius
         let spacing: f32 = max(min(radius / 1.499, 1.0), radius / (rings + 0.499));
         gather.inner = BokehRingBorder(0, radius, spacing, narrowing);
@@ -1228,27 +1233,40 @@ fn BokehComposite(MapSamp: texture_2d<f32>, GatherTilesSamp: texture_2d<f32>,
         let edges: f32 = max(tile.r, tile.g - 16.0);
         gather.snapping = 3.75 * clamp(edges / 5.0, 0.0, 1.0) + 100.0 * clamp((edges - 10.0) / 16.0,
             0.0, 1.0);
-        var first: i32 = 1;
-        if (BOKEH_SIDES > 0)
+        // The rings of few samples: the first, and the last one of a wide gather. They have a loop
+        // of their own because compilers write out loops over a known number of samples.
+        var lastInner: f32 = radius;
+        if (wideRings > denseRings)
         {
-            // by itself, since the others have more samples: so their number is a literal
-            if (gather.inner < radius)
-            {
-                let outer: f32 = min(BokehRingBorder(1, radius, spacing, narrowing), radius);
-                gather = BokehGatherRing(gather, MapSamp, 1, BokehSamplesPerEdge(1, polygon), outer,
-                    polygon, layers, BokehLinearClamp);
-            }
-            first = 2;
+            lastInner = min(BokehRingBorder(BOKEH_LAYER_RINGS, radius, spacing, narrowing), radius);
         }
-        for (var ring: i32 = first; ring <= BOKEH_LAYER_RINGS + 1; ring++)
+        var denseInner: f32 = gather.inner;
+        for (var sparse: i32 = 0; sparse < 2; sparse++)
         {
+            var ring: i32 = 1 + sparse * BOKEH_LAYER_RINGS;
+            if (sparse > 0)
+            {
+                denseInner = gather.inner;
+                gather.inner = lastInner;
+            }
             if (gather.inner >= radius)
             {
                 break;
             }
             let outer: f32 = min(BokehRingBorder(ring, radius, spacing, narrowing), radius);
+            gather = BokehGatherRing(gather, MapSamp, ring, BokehSamplesPerEdge(1, polygon), outer,
+                polygon, layers, BokehLinearClamp);
+        }
+        gather.inner = denseInner;
+        for (var ring: i32 = 2; ring <= BOKEH_LAYER_RINGS + 1; ring++)
+        {
+            if (gather.inner >= lastInner)
+            {
+                break;
+            }
+            let outer: f32 = min(BokehRingBorder(ring, radius, spacing, narrowing), lastInner);
             var onEdge: i32 = BokehSamplesPerEdge(BOKEH_LAYER_RINGS, polygon);
-            if (first < BOKEH_LAYER_RINGS)
+            if (BOKEH_LAYER_RINGS > 2)
             {
                 onEdge = BokehSamplesPerEdge(min(ring, BOKEH_LAYER_RINGS), polygon);
             }
@@ -1258,10 +1276,13 @@ fn BokehComposite(MapSamp: texture_2d<f32>, GatherTilesSamp: texture_2d<f32>,
 
         var nearLayer: vec4f = vec4f(0.0, 0.0, 0.0, 0.0);
         var farLayer: vec4f = vec4f(0.0, 0.0, 0.0, 0.0);
-        if (max(tile.r - 6.0, tile.g - 10.0) > 0.0)
+        let halves: BokehGrid = BokehReducedGrid(layers, 2.0);
+        if (tile.r > 6.0)
         {
-            let halves: BokehGrid = BokehReducedGrid(layers, 2.0);
             nearLayer = BokehFetchLayer(NearSamp, 0.5 * center, halves, BokehLinearClamp);
+        }
+        if (tile.g > 10.0)
+        {
             farLayer = BokehFetchLayer(FarSamp, 0.5 * center, halves, BokehLinearClamp);
         }
         // at a pixel of a layer, that layer itself is added below

@@ -224,13 +224,19 @@ return result;
 }
 vec3 BokehLightBeside(vec4 color,vec4 right,vec4 left,vec4 below,vec4 above)
 {
-float minBrightness = max(4.0 * BokehBrightness(color),0.0000001);
-vec3 brightest = vec3(0.0,0.0,minBrightness);
+float brightness = max(BokehBrightness(color),0.0000001);
+float darkest = min(min(BokehBrightness(right),BokehBrightness(left)),
+min(BokehBrightness(below),BokehBrightness(above)));
+vec3 brightest = vec3(0.0,0.0,brightness);
 brightest = BokehBrighter(brightest,right,vec2(1.0,0.0));
 brightest = BokehBrighter(brightest,left,vec2(-1.0,0.0));
 brightest = BokehBrighter(brightest,below,vec2(0.0,1.0));
 brightest = BokehBrighter(brightest,above,vec2(0.0,-1.0));
-return vec3(brightest.xy,min(brightest.z / minBrightness - 1.0,1.0));
+float ratio = brightest.z / brightness;
+float dark = clamp(0.25 * ratio - 1.0,0.0,1.0);
+float rim = clamp(5.0 * brightness / max(darkest,0.0000001) - 6.5,0.0,1.0) *
+clamp(10.0 * ratio - 10.0,0.0,1.0);
+return vec3(brightest.xy,max(dark,rim));
 }
 vec3 BokehBrightNeighbor(BOKEH_TEXTURE ColorSamp,vec2 uv,vec2 imageSize)
 {
@@ -1054,7 +1060,7 @@ for (int y = 0; y < 4; y++)
 for (int x = 0; x < 4; x++)
 {
 vec2 offset = vec2(float(x) - 1.5,float(y) - 1.5);
-if (max(abs(offset.x),abs(offset.y)) > 1.0)
+if (abs(abs(offset.x) + abs(offset.y) - 2.0) < 0.5)
 {
 vec4 pixel = BokehFetchGrid(MapSamp,middle + offset,full);
 around = BokehSurroundings(around,pixel,BokehLayerWeight(-pixel.a *
@@ -1313,16 +1319,16 @@ vec2 turn = BokehTurn(1.0,polygon);
 vec4 mid = BokehFetchGrid(MidSamp,center,grid);
 vec4 far = BokehFetchGrid(FarSamp,center,grid);
 vec2 weights = BokehHoleWeights(mid,far,inverseBrightness);
-for (int ring = 1; ring < 3; ring++)
+for (int ring = 0; ring < 4; ring++)
 {
 if (nearCoC < 6.0)
 {
 break;
 }
-float diameter = max(nearCoC / 8.0,2.0) * float(ring);
-float weight = 1.0 / (1.0 + 4.0 * diameter * diameter);
+float diameter = max(nearCoC / 8.0,2.0) * exp2(float(ring) - 2.0);
+float weight = 1.0 / (1.0 + 4.0 * diameter * diameter * diameter);
 vec2 scale = vec2(polygon.squeeze * diameter,diameter);
-int onEdge = BokehSamplesPerEdge(ring,polygon);
+int onEdge = BokehSamplesPerEdge(1,polygon);
 for (int edge = 1; edge <= polygon.sides; edge++)
 {
 vec2 along = direction * (BokehEdgeLength(edge,polygon) / float(onEdge));
@@ -1568,7 +1574,7 @@ float current = gather.inner + (outer - gather.inner) * outwards;
 float innerSquare = gather.inner * gather.inner;
 float area = outer * outer - innerSquare;
 float phase = layers.jitter * clamp(current / float(ring) - 1.0,0.0,1.0);
-if (ring == 1)
+if (ring != 2 && onEdge == BokehSamplesPerEdge(1,polygon))
 {
 phase += 0.5;
 }
@@ -1641,6 +1647,9 @@ if (max(tile.g,tile.r + 4.0) <= 14.0 - 4.0 * float(BOKEH_LAYER_CUBIC))
 {
 rings += 1.0;
 }
+float wideRings = min(radius / 3.0,float(BOKEH_LAYER_RINGS) + 1.0);
+float denseRings = rings;
+rings = max(rings,wideRings);
 float spacing = max(min(radius / 1.499,1.0),radius / (rings + 0.499));
 gather.inner = BokehRingBorder(0,radius,spacing,narrowing);
 if (radius < 0.5)
@@ -1655,26 +1664,38 @@ gather.front = vec4(0.0,0.0,0.0,0.0);
 float edges = max(tile.r,tile.g - 16.0);
 gather.snapping = 3.75 * clamp(edges / 5.0,0.0,1.0) + 100.0 * clamp((edges - 10.0) / 16.0,
 0.0,1.0);
-int first = 1;
-if (BOKEH_SIDES > 0)
+float lastInner = radius;
+if (wideRings > denseRings)
 {
-if (gather.inner < radius)
-{
-float outer = min(BokehRingBorder(1,radius,spacing,narrowing),radius);
-gather = BokehGatherRing(gather,MapSamp,1,BokehSamplesPerEdge(1,polygon),outer,
-polygon,layers);
+lastInner = min(BokehRingBorder(BOKEH_LAYER_RINGS,radius,spacing,narrowing),radius);
 }
-first = 2;
-}
-for (int ring = first; ring <= BOKEH_LAYER_RINGS + 1; ring++)
+float denseInner = gather.inner;
+for (int sparse = 0; sparse < 2; sparse++)
 {
+int ring = 1 + sparse * BOKEH_LAYER_RINGS;
+if (sparse > 0)
+{
+denseInner = gather.inner;
+gather.inner = lastInner;
+}
 if (gather.inner >= radius)
 {
 break;
 }
 float outer = min(BokehRingBorder(ring,radius,spacing,narrowing),radius);
+gather = BokehGatherRing(gather,MapSamp,ring,BokehSamplesPerEdge(1,polygon),outer,
+polygon,layers);
+}
+gather.inner = denseInner;
+for (int ring = 2; ring <= BOKEH_LAYER_RINGS + 1; ring++)
+{
+if (gather.inner >= lastInner)
+{
+break;
+}
+float outer = min(BokehRingBorder(ring,radius,spacing,narrowing),lastInner);
 int onEdge = BokehSamplesPerEdge(BOKEH_LAYER_RINGS,polygon);
-if (first < BOKEH_LAYER_RINGS)
+if (BOKEH_LAYER_RINGS > 2)
 {
 onEdge = BokehSamplesPerEdge(min(ring,BOKEH_LAYER_RINGS),polygon);
 }
@@ -1682,10 +1703,13 @@ gather = BokehGatherRing(gather,MapSamp,ring,onEdge,outer,polygon,layers);
 }
 vec4 nearLayer = vec4(0.0,0.0,0.0,0.0);
 vec4 farLayer = vec4(0.0,0.0,0.0,0.0);
-if (max(tile.r - 6.0,tile.g - 10.0) > 0.0)
-{
 BokehGrid halves = BokehReducedGrid(layers,2.0);
+if (tile.r > 6.0)
+{
 nearLayer = BokehFetchLayer(NearSamp,0.5 * center,halves);
+}
+if (tile.g > 10.0)
+{
 farLayer = BokehFetchLayer(FarSamp,0.5 * center,halves);
 }
 vec4 sum = gather.sum + farLayer * (gather.farFound * (1.0 - max(farWeight,nearWeight)) /
@@ -2015,13 +2039,19 @@ return result;
 }
 fn BokehLightBeside(color:vec4f,right:vec4f,left:vec4f,below:vec4f,above:vec4f) -> vec3f
 {
-let minBrightness:f32 = max(4.0 * BokehBrightness(color),0.0000001);
-var brightest:vec3f = vec3f(0.0,0.0,minBrightness);
+let brightness:f32 = max(BokehBrightness(color),0.0000001);
+let darkest:f32 = min(min(BokehBrightness(right),BokehBrightness(left)),
+min(BokehBrightness(below),BokehBrightness(above)));
+var brightest:vec3f = vec3f(0.0,0.0,brightness);
 brightest = BokehBrighter(brightest,right,vec2f(1.0,0.0));
 brightest = BokehBrighter(brightest,left,vec2f(-1.0,0.0));
 brightest = BokehBrighter(brightest,below,vec2f(0.0,1.0));
 brightest = BokehBrighter(brightest,above,vec2f(0.0,-1.0));
-return vec3f(brightest.xy,min(brightest.z / minBrightness - 1.0,1.0));
+let ratio:f32 = brightest.z / brightness;
+let dark:f32 = clamp(0.25 * ratio - 1.0,0.0,1.0);
+let rim:f32 = clamp(5.0 * brightness / max(darkest,0.0000001) - 6.5,0.0,1.0) *
+clamp(10.0 * ratio - 10.0,0.0,1.0);
+return vec3f(brightest.xy,max(dark,rim));
 }
 fn BokehBrightNeighbor(ColorSamp:texture_2d<f32>,uv:vec2f,imageSize:vec2f) -> vec3f
 {
@@ -2836,7 +2866,7 @@ for (var y:i32 = 0; y < 4; y++)
 for (var x:i32 = 0; x < 4; x++)
 {
 let offset:vec2f = vec2f(f32(x) - 1.5,f32(y) - 1.5);
-if (max(abs(offset.x),abs(offset.y)) > 1.0)
+if (abs(abs(offset.x) + abs(offset.y) - 2.0) < 0.5)
 {
 let pixel:vec4f = BokehFetchGrid(MapSamp,middle + offset,full,
 BokehLinearClamp);
@@ -3111,16 +3141,16 @@ let turn:vec2f = BokehTurn(1.0,polygon);
 var mid:vec4f = BokehFetchGrid(MidSamp,center,grid,BokehLinearClamp);
 var far:vec4f = BokehFetchGrid(FarSamp,center,grid,BokehLinearClamp);
 var weights:vec2f = BokehHoleWeights(mid,far,inverseBrightness);
-for (var ring:i32 = 1; ring < 3; ring++)
+for (var ring:i32 = 0; ring < 4; ring++)
 {
 if (nearCoC < 6.0)
 {
 break;
 }
-let diameter:f32 = max(nearCoC / 8.0,2.0) * f32(ring);
-let weight:f32 = 1.0 / (1.0 + 4.0 * diameter * diameter);
+let diameter:f32 = max(nearCoC / 8.0,2.0) * exp2(f32(ring) - 2.0);
+let weight:f32 = 1.0 / (1.0 + 4.0 * diameter * diameter * diameter);
 let scale:vec2f = vec2f(polygon.squeeze * diameter,diameter);
-let onEdge:i32 = BokehSamplesPerEdge(ring,polygon);
+let onEdge:i32 = BokehSamplesPerEdge(1,polygon);
 for (var edge:i32 = 1; edge <= polygon.sides; edge++)
 {
 let along:vec2f = direction * (BokehEdgeLength(edge,polygon) / f32(onEdge));
@@ -3387,7 +3417,7 @@ let current:f32 = gather.inner + (outer - gather.inner) * outwards;
 let innerSquare:f32 = gather.inner * gather.inner;
 let area:f32 = outer * outer - innerSquare;
 var phase:f32 = layers.jitter * clamp(current / f32(ring) - 1.0,0.0,1.0);
-if (ring == 1)
+if (ring != 2 && onEdge == BokehSamplesPerEdge(1,polygon))
 {
 phase += 0.5;
 }
@@ -3463,6 +3493,9 @@ if (max(tile.g,tile.r + 4.0) <= 14.0 - 4.0 * f32(BOKEH_LAYER_CUBIC))
 {
 rings += 1.0;
 }
+let wideRings:f32 = min(radius / 3.0,f32(BOKEH_LAYER_RINGS) + 1.0);
+let denseRings:f32 = rings;
+rings = max(rings,wideRings);
 let spacing:f32 = max(min(radius / 1.499,1.0),radius / (rings + 0.499));
 gather.inner = BokehRingBorder(0,radius,spacing,narrowing);
 if (radius < 0.5)
@@ -3477,26 +3510,38 @@ gather.front = vec4f(0.0,0.0,0.0,0.0);
 let edges:f32 = max(tile.r,tile.g - 16.0);
 gather.snapping = 3.75 * clamp(edges / 5.0,0.0,1.0) + 100.0 * clamp((edges - 10.0) / 16.0,
 0.0,1.0);
-var first:i32 = 1;
-if (BOKEH_SIDES > 0)
+var lastInner:f32 = radius;
+if (wideRings > denseRings)
 {
-if (gather.inner < radius)
-{
-let outer:f32 = min(BokehRingBorder(1,radius,spacing,narrowing),radius);
-gather = BokehGatherRing(gather,MapSamp,1,BokehSamplesPerEdge(1,polygon),outer,
-polygon,layers,BokehLinearClamp);
+lastInner = min(BokehRingBorder(BOKEH_LAYER_RINGS,radius,spacing,narrowing),radius);
 }
-first = 2;
-}
-for (var ring:i32 = first; ring <= BOKEH_LAYER_RINGS + 1; ring++)
+var denseInner:f32 = gather.inner;
+for (var sparse:i32 = 0; sparse < 2; sparse++)
 {
+var ring:i32 = 1 + sparse * BOKEH_LAYER_RINGS;
+if (sparse > 0)
+{
+denseInner = gather.inner;
+gather.inner = lastInner;
+}
 if (gather.inner >= radius)
 {
 break;
 }
 let outer:f32 = min(BokehRingBorder(ring,radius,spacing,narrowing),radius);
+gather = BokehGatherRing(gather,MapSamp,ring,BokehSamplesPerEdge(1,polygon),outer,
+polygon,layers,BokehLinearClamp);
+}
+gather.inner = denseInner;
+for (var ring:i32 = 2; ring <= BOKEH_LAYER_RINGS + 1; ring++)
+{
+if (gather.inner >= lastInner)
+{
+break;
+}
+let outer:f32 = min(BokehRingBorder(ring,radius,spacing,narrowing),lastInner);
 var onEdge:i32 = BokehSamplesPerEdge(BOKEH_LAYER_RINGS,polygon);
-if (first < BOKEH_LAYER_RINGS)
+if (BOKEH_LAYER_RINGS > 2)
 {
 onEdge = BokehSamplesPerEdge(min(ring,BOKEH_LAYER_RINGS),polygon);
 }
@@ -3505,10 +3550,13 @@ BokehLinearClamp);
 }
 var nearLayer:vec4f = vec4f(0.0,0.0,0.0,0.0);
 var farLayer:vec4f = vec4f(0.0,0.0,0.0,0.0);
-if (max(tile.r - 6.0,tile.g - 10.0) > 0.0)
-{
 let halves:BokehGrid = BokehReducedGrid(layers,2.0);
+if (tile.r > 6.0)
+{
 nearLayer = BokehFetchLayer(NearSamp,0.5 * center,halves,BokehLinearClamp);
+}
+if (tile.g > 10.0)
+{
 farLayer = BokehFetchLayer(FarSamp,0.5 * center,halves,BokehLinearClamp);
 }
 let sum:vec4f = gather.sum + farLayer * (gather.farFound * (1.0 - max(farWeight,

@@ -222,13 +222,19 @@ return result;
 }
 vec3 BokehLightBeside(vec4 color, vec4 right, vec4 left, vec4 below, vec4 above)
 {
-float minBrightness = max(4.0 * BokehBrightness(color), 0.0000001);
-vec3 brightest = vec3(0.0, 0.0, minBrightness);
+float brightness = max(BokehBrightness(color), 0.0000001);
+float darkest = min(min(BokehBrightness(right), BokehBrightness(left)),
+min(BokehBrightness(below), BokehBrightness(above)));
+vec3 brightest = vec3(0.0, 0.0, brightness);
 brightest = BokehBrighter(brightest, right, vec2(1.0, 0.0));
 brightest = BokehBrighter(brightest, left, vec2(-1.0, 0.0));
 brightest = BokehBrighter(brightest, below, vec2(0.0, 1.0));
 brightest = BokehBrighter(brightest, above, vec2(0.0, -1.0));
-return vec3(brightest.xy, min(brightest.z / minBrightness - 1.0, 1.0));
+float ratio = brightest.z / brightness;
+float dark = clamp(0.25 * ratio - 1.0, 0.0, 1.0);
+float rim = clamp(5.0 * brightness / max(darkest, 0.0000001) - 6.5, 0.0, 1.0) *
+clamp(10.0 * ratio - 10.0, 0.0, 1.0);
+return vec3(brightest.xy, max(dark, rim));
 }
 vec3 BokehBrightNeighbor(BOKEH_TEXTURE ColorSamp, vec2 uv, vec2 imageSize)
 {
@@ -1048,7 +1054,7 @@ for (int y = 0; y < 4; y++)
 for (int x = 0; x < 4; x++)
 {
 vec2 offset = vec2(float(x) - 1.5, float(y) - 1.5);
-if (max(abs(offset.x), abs(offset.y)) > 1.0)
+if (abs(abs(offset.x) + abs(offset.y) - 2.0) < 0.5)
 {
 vec4 pixel = BokehFetchGrid(MapSamp, middle + offset, full);
 around = BokehSurroundings(around, pixel, BokehLayerWeight(-pixel.a *
@@ -1307,16 +1313,16 @@ vec2 turn = BokehTurn(1.0, polygon);
 vec4 mid = BokehFetchGrid(MidSamp, center, grid);
 vec4 far = BokehFetchGrid(FarSamp, center, grid);
 vec2 weights = BokehHoleWeights(mid, far, inverseBrightness);
-for (int ring = 1; ring < 3; ring++)
+for (int ring = 0; ring < 4; ring++)
 {
 if (nearCoC < 6.0)
 {
 break;
 }
-float diameter = max(nearCoC / 8.0, 2.0) * float(ring);
-float weight = 1.0 / (1.0 + 4.0 * diameter * diameter);
+float diameter = max(nearCoC / 8.0, 2.0) * exp2(float(ring) - 2.0);
+float weight = 1.0 / (1.0 + 4.0 * diameter * diameter * diameter);
 vec2 scale = vec2(polygon.squeeze * diameter, diameter);
-int onEdge = BokehSamplesPerEdge(ring, polygon);
+int onEdge = BokehSamplesPerEdge(1, polygon);
 for (int edge = 1; edge <= polygon.sides; edge++)
 {
 vec2 along = direction * (BokehEdgeLength(edge, polygon) / float(onEdge));
@@ -1562,7 +1568,7 @@ float current = gather.inner + (outer - gather.inner) * outwards;
 float innerSquare = gather.inner * gather.inner;
 float area = outer * outer - innerSquare;
 float phase = layers.jitter * clamp(current / float(ring) - 1.0, 0.0, 1.0);
-if (ring == 1)
+if (ring != 2 && onEdge == BokehSamplesPerEdge(1, polygon))
 {
 phase += 0.5;
 }
@@ -1635,6 +1641,9 @@ if (max(tile.g, tile.r + 4.0) <= 14.0 - 4.0 * float(BOKEH_LAYER_CUBIC))
 {
 rings += 1.0;
 }
+float wideRings = min(radius / 3.0, float(BOKEH_LAYER_RINGS) + 1.0);
+float denseRings = rings;
+rings = max(rings, wideRings);
 float spacing = max(min(radius / 1.499, 1.0), radius / (rings + 0.499));
 gather.inner = BokehRingBorder(0, radius, spacing, narrowing);
 if (radius < 0.5)
@@ -1649,26 +1658,38 @@ gather.front = vec4(0.0, 0.0, 0.0, 0.0);
 float edges = max(tile.r, tile.g - 16.0);
 gather.snapping = 3.75 * clamp(edges / 5.0, 0.0, 1.0) + 100.0 * clamp((edges - 10.0) / 16.0,
 0.0, 1.0);
-int first = 1;
-if (BOKEH_SIDES > 0)
+float lastInner = radius;
+if (wideRings > denseRings)
 {
-if (gather.inner < radius)
-{
-float outer = min(BokehRingBorder(1, radius, spacing, narrowing), radius);
-gather = BokehGatherRing(gather, MapSamp, 1, BokehSamplesPerEdge(1, polygon), outer,
-polygon, layers);
+lastInner = min(BokehRingBorder(BOKEH_LAYER_RINGS, radius, spacing, narrowing), radius);
 }
-first = 2;
-}
-for (int ring = first; ring <= BOKEH_LAYER_RINGS + 1; ring++)
+float denseInner = gather.inner;
+for (int sparse = 0; sparse < 2; sparse++)
 {
+int ring = 1 + sparse * BOKEH_LAYER_RINGS;
+if (sparse > 0)
+{
+denseInner = gather.inner;
+gather.inner = lastInner;
+}
 if (gather.inner >= radius)
 {
 break;
 }
 float outer = min(BokehRingBorder(ring, radius, spacing, narrowing), radius);
+gather = BokehGatherRing(gather, MapSamp, ring, BokehSamplesPerEdge(1, polygon), outer,
+polygon, layers);
+}
+gather.inner = denseInner;
+for (int ring = 2; ring <= BOKEH_LAYER_RINGS + 1; ring++)
+{
+if (gather.inner >= lastInner)
+{
+break;
+}
+float outer = min(BokehRingBorder(ring, radius, spacing, narrowing), lastInner);
 int onEdge = BokehSamplesPerEdge(BOKEH_LAYER_RINGS, polygon);
-if (first < BOKEH_LAYER_RINGS)
+if (BOKEH_LAYER_RINGS > 2)
 {
 onEdge = BokehSamplesPerEdge(min(ring, BOKEH_LAYER_RINGS), polygon);
 }
@@ -1676,10 +1697,13 @@ gather = BokehGatherRing(gather, MapSamp, ring, onEdge, outer, polygon, layers);
 }
 vec4 nearLayer = vec4(0.0, 0.0, 0.0, 0.0);
 vec4 farLayer = vec4(0.0, 0.0, 0.0, 0.0);
-if (max(tile.r - 6.0, tile.g - 10.0) > 0.0)
-{
 BokehGrid halves = BokehReducedGrid(layers, 2.0);
+if (tile.r > 6.0)
+{
 nearLayer = BokehFetchLayer(NearSamp, 0.5 * center, halves);
+}
+if (tile.g > 10.0)
+{
 farLayer = BokehFetchLayer(FarSamp, 0.5 * center, halves);
 }
 vec4 sum = gather.sum + farLayer * (gather.farFound * (1.0 - max(farWeight, nearWeight)) /

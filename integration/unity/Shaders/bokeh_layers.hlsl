@@ -428,8 +428,8 @@ BokehPrefiltered BokehPrefilter(BOKEH_TEXTURE MapSamp, BOKEH_TEXTURE DilatedTile
             for (int x = 0; x < 4; x++)
             {
                 float2 offset = float2(float(x) - 1.5, float(y) - 1.5);
-                // the four pixels of this texel are done
-                if (max(abs(offset.x), abs(offset.y)) > 1.0)
+                // the eight that share an edge with those four
+                if (abs(abs(offset.x) + abs(offset.y) - 2.0) < 0.5)
                 {
                     float4 pixel = BokehFetchGrid(MapSamp, middle + offset, full BOKEH_LINEAR);
                     around = BokehSurroundings(around, pixel, BokehLayerWeight(-pixel.a *
@@ -777,18 +777,18 @@ BokehFilled BokehHoleFill(BOKEH_TEXTURE MidSamp, BOKEH_TEXTURE FarSamp,
     float4 mid = BokehFetchGrid(MidSamp, center, grid BOKEH_LINEAR);
     float4 far = BokehFetchGrid(FarSamp, center, grid BOKEH_LINEAR);
     float2 weights = BokehHoleWeights(mid, far, inverseBrightness);
-    for (int ring = 1; ring < 3; ring++)
+    for (int ring = 0; ring < 4; ring++)
     {
         // no near layer, no holes
         if (nearCoC < 6.0)
         {
             break;
         }
-        // diameter in quarter pixels; the rings reach half the CoC
-        float diameter = max(nearCoC / 8.0, 2.0) * float(ring);
-        float weight = 1.0 / (1.0 + 4.0 * diameter * diameter);
+        // diameter in texels; the rings reach an eighth, a quarter, a half and all of the CoC
+        float diameter = max(nearCoC / 8.0, 2.0) * exp2(float(ring) - 2.0);
+        float weight = 1.0 / (1.0 + 4.0 * diameter * diameter * diameter);
         float2 scale = float2(polygon.squeeze * diameter, diameter);
-        int onEdge = BokehSamplesPerEdge(ring, polygon);
+        int onEdge = BokehSamplesPerEdge(1, polygon);
         BOKEH_LOOP for (int edge = 1; edge <= polygon.sides; edge++)
         {
             float2 along = direction * (BokehEdgeLength(edge, polygon) / float(onEdge));
@@ -1123,9 +1123,9 @@ BokehGather BokehGatherRing(BokehGather before, BOKEH_TEXTURE MapSamp, int ring,
     float innerSquare = gather.inner * gather.inner;
     float area = outer * outer - innerSquare;
     float phase = layers.jitter * clamp(current / float(ring) - 1.0, 0.0, 1.0);
-    if (ring == 1)
+    if (ring != 2 && onEdge == BokehSamplesPerEdge(1, polygon))
     {
-        // between the corners, where the next ring has gaps (canopy_12: .138 for .140)
+        // a ring of few samples: between the corners, where the ring beside it has gaps
         phase += 0.5;
     }
     // the upright polygon's x and y, in pixels: what is done with those is known to compilers
@@ -1217,6 +1217,11 @@ float4 BokehComposite(BOKEH_TEXTURE MapSamp, BOKEH_TEXTURE GatherTilesSamp, BOKE
         {
             rings += 1.0;
         }
+        // a gather that reaches far has one ring more, of few samples: with wide gaps between the
+        // rings a thin bright line shows as a row of copies
+        float wideRings = min(radius / 3.0, float(BOKEH_LAYER_RINGS) + 1.0);
+        float denseRings = rings;
+        rings = max(rings, wideRings);
         // rings closer than a pixel find nothing new; .499: the last ends at the radius
         float spacing = max(min(radius / 1.499, 1.0), radius / (rings + 0.499));
         gather.inner = BokehRingBorder(0, radius, spacing, narrowing);
@@ -1238,27 +1243,40 @@ float4 BokehComposite(BOKEH_TEXTURE MapSamp, BOKEH_TEXTURE GatherTilesSamp, BOKE
         float edges = max(tile.r, tile.g - 16.0);
         gather.snapping = 3.75 * clamp(edges / 5.0, 0.0, 1.0) + 100.0 * clamp((edges - 10.0) / 16.0,
             0.0, 1.0);
-        int first = 1;
-        if (BOKEH_SIDES > 0)
+        // The rings of few samples: the first, and the last one of a wide gather. They have a loop
+        // of their own because compilers write out loops over a known number of samples.
+        float lastInner = radius;
+        if (wideRings > denseRings)
         {
-            // by itself, since the others have more samples: so their number is a literal
-            if (gather.inner < radius)
-            {
-                float outer = min(BokehRingBorder(1, radius, spacing, narrowing), radius);
-                gather = BokehGatherRing(gather, MapSamp, 1, BokehSamplesPerEdge(1, polygon), outer,
-                    polygon, layers BOKEH_LINEAR);
-            }
-            first = 2;
+            lastInner = min(BokehRingBorder(BOKEH_LAYER_RINGS, radius, spacing, narrowing), radius);
         }
-        BOKEH_LOOP for (int ring = first; ring <= BOKEH_LAYER_RINGS + 1; ring++)
+        float denseInner = gather.inner;
+        BOKEH_LOOP for (int sparse = 0; sparse < 2; sparse++)
         {
+            int ring = 1 + sparse * BOKEH_LAYER_RINGS;
+            if (sparse > 0)
+            {
+                denseInner = gather.inner;
+                gather.inner = lastInner;
+            }
             if (gather.inner >= radius)
             {
                 break;
             }
             float outer = min(BokehRingBorder(ring, radius, spacing, narrowing), radius);
+            gather = BokehGatherRing(gather, MapSamp, ring, BokehSamplesPerEdge(1, polygon), outer,
+                polygon, layers BOKEH_LINEAR);
+        }
+        gather.inner = denseInner;
+        BOKEH_LOOP for (int ring = 2; ring <= BOKEH_LAYER_RINGS + 1; ring++)
+        {
+            if (gather.inner >= lastInner)
+            {
+                break;
+            }
+            float outer = min(BokehRingBorder(ring, radius, spacing, narrowing), lastInner);
             int onEdge = BokehSamplesPerEdge(BOKEH_LAYER_RINGS, polygon);
-            if (first < BOKEH_LAYER_RINGS)
+            if (BOKEH_LAYER_RINGS > 2)
             {
                 onEdge = BokehSamplesPerEdge(min(ring, BOKEH_LAYER_RINGS), polygon);
             }
@@ -1268,10 +1286,13 @@ float4 BokehComposite(BOKEH_TEXTURE MapSamp, BOKEH_TEXTURE GatherTilesSamp, BOKE
 
         float4 nearLayer = float4(0.0, 0.0, 0.0, 0.0);
         float4 farLayer = float4(0.0, 0.0, 0.0, 0.0);
-        if (max(tile.r - 6.0, tile.g - 10.0) > 0.0)
+        BokehGrid halves = BokehReducedGrid(layers, 2.0);
+        if (tile.r > 6.0)
         {
-            BokehGrid halves = BokehReducedGrid(layers, 2.0);
             nearLayer = BokehFetchLayer(NearSamp, 0.5 * center, halves BOKEH_LINEAR);
+        }
+        if (tile.g > 10.0)
+        {
             farLayer = BokehFetchLayer(FarSamp, 0.5 * center, halves BOKEH_LINEAR);
         }
         // at a pixel of a layer, that layer itself is added below

@@ -85,6 +85,7 @@ def _of_layers(item: Pass) -> int:
         along_edge = ceil(cells * (1.4142136 / 0.708 if sides == 4 else 2.0 * sin(pi / sides)))
         both = 2 if item.spec.sides in BOTH else 1
         return 1 + both * edges * along_edge
-    most = Most(along, 1 + ring_samples(2), 5 if cubic else 1, ring_samples(rings))
+    # HoleFill has four rings as the gather's first, and a wide gather one more of them
+    most = Most(along, 1 + 4 * ring_samples(1), 5 if cubic else 1, ring_samples(rings) + ring_samples(1))
     counts = ENTRIES[item.spec.whole or item.entry].fetches(most)
     return counts[1 + item.constants["BOKEH_TARGET_INDEX"] if item.spec.whole else 0]

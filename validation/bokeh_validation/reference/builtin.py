@@ -1,7 +1,7 @@
 """What GLSL has itself: operators and functions, of intervals, and of constants as the compiler computes them."""
 
 from collections.abc import Callable, Mapping
-from operator import add, and_, ge, gt, le, lt, mul, sub, truediv
+from operator import add, and_, ge, gt, le, lt, mul, ne, sub, truediv
 
 import numpy as np
 
@@ -35,7 +35,9 @@ def _same(a, b) -> bool:
 
 
 _SYMBOLS = {"+": add, "-": sub, "*": mul, "/": _divided, "<": lt, ">": gt, "<=": le, ">=": ge}
-OPERATORS = {**{symbol: _either(function) for symbol, function in _SYMBOLS.items()}, "==": _same, "&&": and_}
+OPERATORS = {symbol: _either(function) for symbol, function in _SYMBOLS.items()}
+# of whole numbers that are the same for all pixels
+OPERATORS |= {"==": _same, "!=": ne, "&&": and_}
 _least, _most = _either(min, intervals.smaller), _either(max, intervals.larger)
 
 

@@ -79,7 +79,7 @@ def _layers(name: str, textures: int, targets: int, fetches: Callable[[Most], tu
 
 
 _SEVERAL = (
-    _layers("Prefilter", 2, 4, lambda most: (1 + 4 * 4, 17, 5, 17, 5)),
+    _layers("Prefilter", 2, 4, lambda most: (1 + 4 + 8, 13, 5, 13, 5)),
     _layers("LayerCoCReduce", 2, 2, lambda most: (2 * 4 * 4, 16, 16)),
     _layers("LayerCoCRows", 3, 2, lambda most: (1 + 2 * most.along, most.along, 1 + most.along)),
     _layers("LayerCoCColumns", 3, 2, lambda most: (2 + 2 * most.along, 1 + most.along, 2 + most.along)),
