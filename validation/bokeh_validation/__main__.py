@@ -2,6 +2,6 @@
 
 from bokeh_validation.cli import main
 
-# a process of lab/jobs.py imports this module too
+# A worker process of lab/jobs.py imports this module too and must not start the command line.
 if __name__ == "__main__":
     main()

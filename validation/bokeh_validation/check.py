@@ -1,7 +1,7 @@
-"""The command `validation/run check`: after an edit of a shader, the little that it can have broken.
+"""Check an edit of a shader within seconds: the command `validation/run check`.
 
-The programs whose code is not that of the last commit, each drawn as one pass of a small frame, on textures that the
-reference has made: nothing else is compiled.
+It looks only at programs whose code differs from the last commit. Each is drawn as one pass of a small frame, with
+input textures computed by the reference; nothing else is compiled.
 """
 
 import subprocess
@@ -20,13 +20,17 @@ from bokeh_validation.shaders.entries import ENTRIES
 
 DRIVERS = {"glsl": "egl", "hlsl": "dxc", "wgsl": "wgpu"}
 VERTEX = "BokehFullScreen_VS"
-# Of a language: in the last commit, and now
+# The text of a language in the last commit, and now
 Texts = tuple[str, str]
 
 
 def _committed(key: str) -> str:
-    """A file of the shaders as it is in the last commit, '' where it is new. Raises UserError outside of git."""
-    # the checkout may be another user's
+    """Return the text of a shader file in the last commit, or '' if the file is new.
+
+    key  path of the file below the folder of the shaders, such as 'glsl/bokeh.glsl'
+    Raises UserError outside a git checkout.
+    """
+    # git refuses a checkout that belongs to another user unless it is told that it is safe
     git = ["git", "-c", "safe.directory=*", "-C", str(paths.shaders())]
     if subprocess.run([*git, "rev-parse", "HEAD"], capture_output=True).returncode:
         raise UserError(f"{paths.shaders()}: no git checkout. check looks at what has changed: clone the repository.")
@@ -34,7 +38,14 @@ def _committed(key: str) -> str:
 
 
 def edited(texts: Texts, entry: str, constants: Mapping[str, int] | None = None) -> frozenset:
-    """What is new in the program of an entry: its functions, and the lines that declare what they use."""
+    """Return the functions and declarations of an entry's program that differ between the two texts.
+
+    texts      the text of a language in the last commit, and now
+    entry      name of the entry, without _PS
+    constants  what the program is compiled with
+    Returns (name, code) pairs, as they are now; 'declared' is the name for all lines that declare what the functions
+    use.
+    """
     before, after = ({}, {})
     for text, code in zip(texts, (before, after), strict=True):
         code |= calls.program(text, f"{entry}_PS", frozenset((constants or {}).items())) | calls.program(text, VERTEX)
@@ -43,7 +54,10 @@ def edited(texts: Texts, entry: str, constants: Mapping[str, int] | None = None)
 
 
 def _refused(language: str, entries: set[str]) -> Iterator[str]:
-    """What one compiler of a language says of those that it does not take. Raises Unavailable."""
+    """Compile the entries with one compiler of the language and yield what it says of those that it rejects.
+
+    Raises Unavailable if this machine lacks the compiler.
+    """
     vertex = naga.Stage(shaders.text("wgsl"), VERTEX)
     for name in sorted(entries):
         if language == "glsl":
@@ -57,11 +71,15 @@ def _refused(language: str, entries: set[str]) -> Iterator[str]:
 
 
 def _wrong(used: Mapping[str, Driver], texts: Mapping[str, Texts], glsl: str) -> Iterator[str]:
-    """The passes that are not what they were; of every edited code those of the first frame that has it.
+    """Draw the edited passes and yield a line for each that is wrong.
 
-    They are held to the GLSL of the last commit: an edit that is wrong in the same way in all languages shows, and what
-    is edited is not what it is judged by. What differs there is held to the GLSL as it is as well: an edit that is
-    meant to change pictures has to change them alike in all languages.
+    used   language -> driver that draws its programs
+    texts  language -> its text in the last commit, and now
+    glsl   the GLSL of the last commit, which the reference runs
+
+    Each edited program is drawn once, in the first frame that uses it. Its result is compared with the GLSL of the
+    last commit, so that a mistake made in all three languages alike is noticed. A result that differs is also compared
+    with the current GLSL: an edit that changes pixels on purpose must change them in the same way in every language.
     """
     drawn = set()
     for label, frame in coverage_frames.all_frames().items():
@@ -75,12 +93,12 @@ def _wrong(used: Mapping[str, Driver], texts: Mapping[str, Texts], glsl: str) ->
 
 
 def _differing(label: str, frame: Frame, driver: Driver, glsl: str, asked: Sequence[bool]) -> Iterator[str]:
-    """What is wrong with those passes of a frame that are asked for."""
+    """Yield what is wrong with the passes of a frame that are marked in `asked`, one bool per pass."""
     device = driver.precision, driver.rounding
     try:
         before = judges.judges(label, frame, *device, glsl)
     except KeyError:
-        # the last commit has not got what this frame draws
+        # the last commit lacks a function or parameter that this frame needs
         before = [None] * len(frame.passes)
     objections = [judge.objection(driver) if judge and one else "" for judge, one in zip(before, asked, strict=True)]
     yield from (f"{driver.name}, by the last commit: {objection}" for objection in objections if objection)
@@ -91,7 +109,7 @@ def _differing(label: str, frame: Frame, driver: Driver, glsl: str, asked: Seque
 
 
 def check() -> None:
-    """What an edit of a shader can have broken: parity, rules, a compiler and a driver a language, within seconds."""
+    """Check what an edit of a shader can have broken: parity, rules, one compiler and one driver per language."""
     texts, entries, changed, problems, skipped, used = {}, {}, set(), [], [], {}
     keys = {language: [files[language] for files in parity.FILES.values()] for language in paths.LANGUAGES}
     committed = {language: "".join(map(_committed, files)) for language, files in keys.items()}

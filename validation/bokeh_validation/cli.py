@@ -14,7 +14,7 @@ from bokeh_validation import __version__, terminal
 from bokeh_validation.errors import Unavailable, UserError
 from bokeh_validation.process import end_programs
 
-# Name of a command -> its module. Those of the lab are named here and nowhere imported: the core runs without them.
+# Name of a command -> the module with its function. The lab's modules are named only here: the core runs without them.
 COMMANDS = {
     "doctor": "bokeh_validation.doctor",
     "compile": "bokeh_validation.run.commands",
@@ -35,14 +35,17 @@ COMMANDS = {
     "isa": "lab.isa.isa_command",
     "mutants": "lab.mutants.mutants_command",
 }
-# The exit code of a shell's command that was stopped, which typer uses too
+# The shell's exit code for an interrupted command; typer uses it too
 INTERRUPTED = 130
-# Where a command's function has another name than the command
+# Commands whose function has another name
 FUNCTIONS = {"compile": "compile_all", "pictures": "draw_pictures"}
 
 
 def application() -> typer.Typer:
-    """The command line with the command that is asked for, or with all for --help: so the start stays quick."""
+    """Return the command line with the command that was named, or with all commands for --help.
+
+    Importing only the module of that command keeps the start quick.
+    """
     app = typer.Typer(
         add_completion=False,
         rich_markup_mode=None,
@@ -78,7 +81,7 @@ def default(
 
 
 def main() -> None:
-    """Run the command line; every refusal is one line on standard error and exit code 2."""
+    """Run the command line; a refused input ends it with one line on standard error and exit code 2."""
     signal.signal(signal.SIGTERM, _stop)
     try:
         code = application()(standalone_mode=False)
@@ -102,7 +105,7 @@ def main() -> None:
 
 
 def _stop(*_) -> None:
-    """A request to end is as an interruption from the keyboard; a second one does not disturb the first."""
+    """Treat SIGTERM like an interruption from the keyboard, and ignore further ones while the program ends."""
     signal.signal(signal.SIGTERM, signal.SIG_IGN)
     raise KeyboardInterrupt
 

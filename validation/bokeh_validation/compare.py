@@ -1,7 +1,8 @@
-"""The command `validation/run compare`: an engine's result beside ours, and the mistake that explains the difference.
+"""Find out which mistake explains an engine's result: the command `validation/run compare`.
 
-Mistakes are made on purpose, one after the other; the picture that is nearest to the engine's names its mistake. How
-near: the mean over all pixels of log2(1 + steps), which neither a few lights nor the size of a large error decides.
+Known mistakes are made on purpose, one at a time; the image nearest to the engine's names the likeliest mistake. The
+distance between two images is the mean over all pixels of log2(1 + steps), so that neither a few lights nor the size
+of one large error decides.
 """
 
 from collections.abc import Callable, Iterator
@@ -24,20 +25,21 @@ from bokeh_validation.reference.listings import DEPTH_KINDS, linear_depth, store
 from bokeh_validation.shaders.parameters import PARAMETERS
 from bokeh_validation.shaders.passes import Pass
 
-# What an engine's depth buffer may hold, and may have been read as
+# What an engine's depth buffer may hold, and what it may have been read as
 KINDS = ("window", "reversed", "infinite", "clip", "metres", "fraction")
-# A mistake is named where it is nearer by so much: less is how devices round and filter
+# A mistake is named only if it reduces the distance at least by this factor; devices' rounding and filtering differ by
+# less
 NEARER = 0.5
-# The same picture, where a clamped CoC hides what they differ in
+# Distances closer than this are ties, such as two mistakes that a clamped CoC makes equal
 AS_NEAR = 0.01
 INFINITE_STEPS = 2.0**16
-# Focal lengths, metres, that a lens may have in place of the one that was told
+# Focal lengths in metres to try instead of the one given
 FOCAL_LENGTHS = (0.024, 0.028, 0.035, 0.05, 0.07, 0.085, 0.1, 0.135, 0.2)
-# Of the depth buffer, which the EXR does not have
+# Parameters that describe the depth buffer; the EXR holds metres, so they need not agree
 DEPTH_PARAMETERS = ("BokehDepthKind", "BokehNear", "BokehFar")
-# Relative: what float32 and a few decimals leave of a number that was typed
+# Relative error that float32 and a few typed decimals leave
 SAME_VALUE = 1e-4
-# A texture read by its nearest texel, and those that draw it
+# Replaces the linear filter by a fetch of the nearest texel; GLSL only, hence these drivers
 GLSL_DRIVERS = ("egl", "osmesa")
 NEAREST = """#define textureLod(name, uv, level) texelFetch(name, BokehNearestTexel(uv, textureSize(name, 0)), 0)
 ivec2 BokehNearestTexel(vec2 uv, ivec2 size) { return clamp(ivec2(floor(uv * vec2(size))), ivec2(0), size - 1); }
@@ -47,8 +49,15 @@ Change = Callable[[np.ndarray], np.ndarray]
 
 @dataclass(frozen=True)
 class Mistake:
-    """What an engine may have done differently: settings, changes of rgb and metres, of its result, its targets, its
-    programs. `drivers` are those that can draw it; all where there is none.
+    """Something that an engine may have done differently.
+
+    name, advice   printed for the user
+    settings       of the frame that has the mistake
+    color, depth   changes of the input: linear rgb, metres
+    result         change of the finished image
+    storage        format of the targets, a key of STORAGE
+    passes         change of each pass's program
+    drivers        names of the drivers that can draw it; empty for all
     """
 
     name: str
@@ -62,7 +71,7 @@ class Mistake:
     drivers: tuple[str, ...] = ()
 
     def rendered(self, driver: Driver, scene: Scene) -> np.ndarray:
-        """Its picture, (H, W, 3) float64. Raises Unavailable."""
+        """Draw the scene with this mistake; returns (H, W, 3) float64. Raises Unavailable."""
         plan = methods.plan(self.settings, scene.size)
         color, depth = scene.color.copy(), self.depth(scene.depth).astype(np.float32)
         color[..., :3] = self.color(color[..., :3].astype(np.float64))
@@ -72,15 +81,15 @@ class Mistake:
 
 
 def to_srgb(linear: np.ndarray) -> np.ndarray:
-    """Linear light as sRGB encodes it; its curve goes on above 1."""
+    """Encode linear light as sRGB; the curve is continued above 1."""
     return np.where(linear <= 0.0031308, 12.92 * linear, 1.055 * np.maximum(linear, 0.0) ** (1 / 2.4) - 0.055)
 
 
 def mistakes(settings: Settings, near: float, far: float, read: float | None = None) -> Iterator[Mistake]:
-    """Yield all that make sense of some settings.
+    """Yield every mistake that makes sense with these settings.
 
-    near, far  the camera's planes, metres
-    read       the BokehDepthKind that the engine sets, where that is known
+    near, far  distances of the camera's near and far planes, metres
+    read       the BokehDepthKind that the engine sets, or None if unknown
     """
     flip = "Row 0 of every texture is the top of the picture: turn v round once, at the end (docs/troubleshooting.md)."
     yield Mistake("the result is upside down: v is flipped", flip, settings, result=np.flipud)
@@ -102,13 +111,13 @@ def mistakes(settings: Settings, near: float, far: float, read: float | None = N
 
 
 def _unfiltered(item: Pass) -> Pass:
-    """Without the linear filter."""
+    """Return the pass with a program that reads the nearest texel instead of filtering."""
     version, _, rest = shaders.glsl(item.entry, "330", item.constants).partition("\n")
     return replace(item, sources={"glsl": f"{version}\n{NEAREST}{rest}"})
 
 
 def _others(settings: Settings) -> Iterator[Mistake]:
-    """Another method, another polygon."""
+    """Yield other methods and other polygons."""
     for name in ("layered", "exact", "paper"):
         other = replace(settings, method=name, samples=None, spacing=None)
         if name != settings.method and (name == "paper" or settings.aperture in methods.EXACT):
@@ -120,7 +129,7 @@ def _others(settings: Settings) -> Iterator[Mistake]:
 
 
 def _lenses(settings: Settings) -> Iterator[Mistake]:
-    """A focal length that one of the two does not know of, or a sensor's width for its height."""
+    """Yield other focal lengths, and the sensor's width mistaken for its height."""
     camera = settings.camera
     for length in FOCAL_LENGTHS:
         if length not in (camera.focal_length, camera.focus_distance) and length < camera.focus_distance:
@@ -134,7 +143,9 @@ def _lenses(settings: Settings) -> Iterator[Mistake]:
 
 
 def _presets(settings: Settings) -> Iterator[Mistake]:
-    """Layered has presets of its own; in exact and paper they are a number of samples and their spacing."""
+    """Yield the other presets. `layered` has named presets; in exact and paper a preset is a sample count with its
+    spacing.
+    """
     for name in methods.PRESETS if settings.method != "naive" else ():
         samples, spacing = methods.EXACT_PRESETS[name]
         other, given = replace(settings, samples=samples, spacing=spacing), f"--samples {samples} --spacing {spacing}"
@@ -145,11 +156,12 @@ def _presets(settings: Settings) -> Iterator[Mistake]:
 
 
 def _depths(settings: Settings, near: float, far: float, set_kind: float | None) -> Iterator[Mistake]:
-    """Depth of another sign about the focus, or of another kind."""
+    """Yield depth that is flipped, has the wrong sign about the focus distance, or was read as another kind."""
     focus = settings.camera.focus_distance
 
     def mirrored(depth: np.ndarray) -> np.ndarray:
-        # whose CoC has the other sign: 1 / S1 is midway between 1 / S2 and its own; farther than infinity: at infinity
+        # The depth whose CoC has the opposite sign: 1 / focus is midway between its reciprocal and 1 / depth. What
+        # would lie beyond infinity is put at infinity.
         return focus / np.maximum(2.0 - focus / np.maximum(depth, 1e-6), 1e-9)
 
     def misread(held: int, read: int, depth: np.ndarray) -> np.ndarray:
@@ -172,7 +184,7 @@ def _depths(settings: Settings, near: float, far: float, set_kind: float | None)
 
 
 def _distance(result: np.ndarray, expected: np.ndarray) -> np.ndarray:
-    """Half-float steps between two pictures (H, W, 3), the most of the channels, (H, W)."""
+    """Return the largest difference over the channels in half-float steps, (H, W), between two images (H, W, 3)."""
     opaque = (np.concatenate([pixels, np.ones_like(pixels[..., :1])], axis=-1) for pixels in (result, expected))
     return np.minimum(metrics.steps(*opaque), INFINITE_STEPS)
 
@@ -199,7 +211,7 @@ def compare(
     driver: terminal.OneDriver = None,
     adapter: terminal.Adapter = None,
 ) -> None:
-    """How far an engine's result is from ours, and the likeliest mistake."""
+    """Compare an engine's result with ours, and name the likeliest mistake."""
     if not 0 < near < far < np.inf:
         raise UserError(f"--near {near:g} --far {far:g}: not allowed. Give 0 < near < far, in metres.")
     known = options.parsed_sets(sets)
@@ -232,7 +244,9 @@ def compare(
 
 
 def _set_otherwise(known: dict[str, float], settings: Settings, size: tuple[int, int]) -> Iterator[str]:
-    """Yield what the engine sets to another value than these settings have; how its depth is stored is its own."""
+    """Yield a line for each parameter that the engine sets to another value; parameters of the depth buffer are
+    skipped.
+    """
     passes = methods.plan(settings, size).passes
     for name, value in known.items():
         used = {item.values()[name] for item in passes if name in item.parameters} or {PARAMETERS[name]}
@@ -241,7 +255,11 @@ def _set_otherwise(known: dict[str, float], settings: Settings, size: tuple[int,
 
 
 def _nearest(candidates: list[Mistake], driver: Driver, scene: Scene, pixels: np.ndarray) -> list:
-    """(steps, mistake) of the nearest, and of others that make the same picture. Raises UserError."""
+    """Draw every candidate and return (steps, mistake) for the nearest one and its ties, in the candidates' order.
+
+    pixels  the engine's result, (H, W, 3) float64
+    Raises UserError if the driver cannot draw into half-float targets.
+    """
     tried: list[tuple[np.ndarray, Mistake]] = []
     with terminal.progress("rendering", len(candidates)) as step:
         for candidate in candidates:
@@ -250,7 +268,7 @@ def _nearest(candidates: list[Mistake], driver: Driver, scene: Scene, pixels: np
             try:
                 tried.append((_distance(pixels, candidate.rendered(driver, scene)), candidate))
             except Unavailable as error:
-                # several float targets may be more than a device writes at once
+                # a device may lack support for writing several float targets at once
                 if candidate.storage == "half":
                     raise UserError(f"--driver {driver.name}: {error}.") from error
             step(candidate.name)

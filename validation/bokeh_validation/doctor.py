@@ -1,4 +1,4 @@
-"""What this machine has: compilers, drivers, and how to get what is missing."""
+"""List the compilers and drivers of this machine and how to install what is missing."""
 
 import platform
 import shutil
@@ -16,7 +16,9 @@ from bokeh_validation.terminal import console
 
 
 def find(check: Callable[[], str]) -> tuple[str, str]:
-    """'found' with the version or adapter that `check` gives, or 'missing' with how to install it."""
+    """Return 'found' with the version or adapter that `check` returns, or 'missing' with the reason, which says how to
+    install it.
+    """
     try:
         return "[green]found[/]", check()
     except Exception as error:  # a broken installation is a finding, not a crash
@@ -24,7 +26,11 @@ def find(check: Callable[[], str]) -> tuple[str, str]:
 
 
 def state(name: str, absent: set[str]) -> str:
-    """Of a need, whether it is there; nothing where it cannot be told. `absent` are Debian packages."""
+    """Return whether a need is met, as markup, or '' if that cannot be told.
+
+    name    a key of NEEDS
+    absent  Debian packages that are not installed
+    """
     need = needs.NEEDS[name]
     if need.extra:
         there = (setup.environment() / f"complete-{need.extra}").exists()
@@ -36,7 +42,7 @@ def state(name: str, absent: set[str]) -> str:
 
 
 def print_needs() -> None:
-    """The table of needs.py: what is there, and how to get what is not; then what each command needs."""
+    """Print the table of needs.py with what is found and missing, then the needs of each command."""
     absent = set(setup.missing(needs.packages(list(needs.NEEDS))))
     table = Table("", "", "to fetch", "", box=None, pad_edge=False)
     states = {name: state(name, absent) for name in needs.NEEDS}
@@ -55,7 +61,7 @@ def print_needs() -> None:
 
 
 def environment() -> dict[str, str]:
-    """Machine and folders."""
+    """Return the system, the Python version and the folders, by their labels."""
     return {
         "system": f"{platform.platform()}, {platform.machine()}",
         "python": sys.version.split()[0],
@@ -67,7 +73,7 @@ def environment() -> dict[str, str]:
 def doctor(
     install: Annotated[bool, typer.Option("--install", help="Fetch what can be fetched into the cache.")] = False,
 ) -> None:
-    """Every compiler and driver with its version, and all that commands need: there or not, and how to install it."""
+    """List every compiler and driver with its version, what each command needs, and how to install what is missing."""
     if install:
         dxc.fetch()
         fxc.fetch()

@@ -1,9 +1,9 @@
-"""The one exception that the command line turns into a single line and exit code 2."""
+"""Define the two exceptions that the command line turns into a single line and exit code 2."""
 
 
 class UserError(Exception):
-    """Bad input. The text says what was wrong, where, and what to do, in one line."""
+    """Raised for bad input. The text says in one line what was wrong, where, and what to do."""
 
 
 class Unavailable(Exception):
-    """A compiler or driver that is not on this machine. The text says how to install it."""
+    """Raised for a compiler or driver that this machine lacks. The text says how to install it."""

@@ -1,4 +1,4 @@
-"""OpenEXR in and out: colour and depth in, colour and CoC out. Every refusal is a UserError of one line."""
+"""Read and write OpenEXR: colour and depth in, colour and CoC out. Every refusal is a UserError of one line."""
 
 import contextlib
 import os
@@ -11,16 +11,17 @@ import OpenEXR
 from bokeh_validation import files
 from bokeh_validation.errors import UserError
 
-# Four channels of the largest texture of common devices: the library unpacks every channel of the file.
+# Limit on width x height x channels: four channels of the largest texture of common devices. The library unpacks every
+# channel of the file, asked for or not.
 MAX_VALUES = 4 * 16384 * 16384
 
 
 @dataclass(frozen=True)
 class Scene:
-    """An image with depth.
+    """Hold an image with its depth.
 
-    color     (H, W, 4), float16 where R, G and B are half floats in the file, else float32; alpha is 1
-    depth     (H, W) float32, metres along the view axis; 1 where none was asked for
+    color  (H, W, 4), float16 if R, G and B are half floats in the file, else float32; alpha is 1
+    depth  (H, W) float32, metres along the view axis; 1 if no depth was asked for
     """
 
     color: np.ndarray
@@ -28,33 +29,36 @@ class Scene:
 
     @property
     def size(self) -> tuple[int, int]:
-        """(width, height)"""
+        """Return (width, height) in pixels."""
         return self.color.shape[1], self.color.shape[0]
 
     @property
     def storage(self) -> str:
-        """Target format that keeps what the file has: 'half' or 'float'."""
+        """Return the target format that keeps the file's precision: 'half' or 'float'."""
         return "half" if self.color.dtype == np.float16 else "float"
 
 
 def read(path: Path, depth_channel: str | None = "Z", layer: str | None = None) -> Scene:
-    """Read R, G, B, or LAYER.R, LAYER.G, LAYER.B, and a depth channel; `depth_channel=None` reads no depth.
+    """Read R, G, B and a depth channel of an EXR file.
 
-    Raises UserError for a missing, broken, deep or empty file, one that is cropped or too large, missing channels, and
-    for values that no scene has: NaN or infinite colour, NaN depth. Infinite depth is a sky.
+    depth_channel  name of the channel in metres; None reads no depth
+    layer          reads LAYER.R, LAYER.G and LAYER.B instead
+
+    Raises UserError if the file is missing, broken, deep, empty, cropped or too large, if it lacks a channel, or if it
+    has NaN or infinite colour or NaN depth. Infinite depth is allowed: it is sky.
     """
     try:
         return _scene(path, depth_channel, layer)
     except UserError as error:
         raise UserError(f"{path}: {error}") from error
     except Exception as error:
-        # what the library throws, more pixels than there is room for, a channel's name that is no text
+        # an error of the library, too little memory for the pixels, or a channel's name that is not valid text
         reason = _printable(f"{type(error).__name__}: {error}".replace(f"{path}: ", ""))
         raise UserError(f"{path}: cannot be read as OpenEXR ({reason}). Save it again as OpenEXR.") from error
 
 
 def _scene(path: Path, depth_channel: str | None, layer: str | None) -> Scene:
-    # a pipe would wait for its writer
+    # opening a pipe would wait for its writer
     if not os.path.isfile(path):
         raise UserError("no such file, or a folder, a pipe or a device. Name an EXR file.")
     headers = _parts(path, header_only=True)
@@ -70,7 +74,7 @@ def _scene(path: Path, depth_channel: str | None, layer: str | None) -> Scene:
     if depth_channel is not None:
         places.append(_place(headers, depth_channel, "depth channel", "Name one with --depth-channel, or give --coc."))
     parts = _parts(path, header_only=False)
-    # the library leaves out parts that it cannot decode
+    # the library omits parts that it cannot decode
     if len(parts) != len(headers):
         raise ValueError("not all of its pixels can be decoded")
     planes = [_plane(parts[index], name, is_depth=k == 3) for k, (index, name) in enumerate(places)]
@@ -79,7 +83,10 @@ def _scene(path: Path, depth_channel: str | None, layer: str | None) -> Scene:
 
 
 def _parts(path: Path, header_only: bool) -> list[OpenEXR.Part]:
-    """All parts. What the library prints, in C to descriptor 2 and through Python, is dropped: an error says it too."""
+    """Return all parts of the file, and discard what the library prints: the errors that it raises say the same.
+
+    It prints from C to file descriptor 2, and through Python's standard output.
+    """
     kept = os.dup(2)
     with open(os.devnull, "w") as nowhere, contextlib.redirect_stdout(nowhere):
         os.dup2(nowhere.fileno(), 2)
@@ -91,7 +98,12 @@ def _parts(path: Path, header_only: bool) -> list[OpenEXR.Part]:
 
 
 def _place(parts: list[OpenEXR.Part], name: str, what: str, advice: str) -> tuple[int, str]:
-    """The part and the channel in it that NAME means, if only one part has such a channel, or PART.NAME."""
+    """Return the index of the part and the channel that `name` means: CHANNEL, if only one part has it, or
+    PART.CHANNEL.
+
+    what, advice  the kind of channel and what to do, for the message
+    Raises UserError if no part or several parts have it.
+    """
     places: dict[str, list[tuple[int, str]]] = {}
     for index, part in enumerate(parts):
         for channel in part.header["channels"]:
@@ -104,7 +116,11 @@ def _place(parts: list[OpenEXR.Part], name: str, what: str, advice: str) -> tupl
 
 
 def _plane(part: OpenEXR.Part, name: str, is_depth: bool) -> np.ndarray:
-    """(H, W) half or float, of the whole picture: the circle of confusion is a fraction of its height."""
+    """Return the channel, (H, W) half or float. Raises UserError unless it covers the whole image and holds valid
+    numbers.
+
+    A cropped image is refused because the circle of confusion is a fraction of the full image height.
+    """
     pixels = part.channels[name].pixels
     data, display = (np.array(part.header[window]) for window in ("dataWindow", "displayWindow"))
     if not np.array_equal(data, display) or pixels.shape != tuple(data[1] - data[0] + 1)[::-1]:
@@ -124,7 +140,7 @@ def _plane(part: OpenEXR.Part, name: str, is_depth: bool) -> np.ndarray:
 
 
 def _printable(text: str) -> str:
-    """Text from a file or the library as part of one line, of bounded length."""
+    """Return text from a file or the library in a form that fits on one line: bounded length, no control characters."""
     return "".join(c if c.isprintable() else "?" for c in text[:500])
 
 

@@ -1,4 +1,4 @@
-"""Files that appear complete or not at all."""
+"""Write files and folders that appear complete or not at all."""
 
 import os
 import secrets
@@ -11,15 +11,15 @@ from bokeh_validation.errors import UserError
 
 
 def whole(path: Path, save: Callable[[Path], object]) -> None:
-    """Call `save` with a temporary path, then put the file in the place of `path`, or of what `path` links to.
+    """Call `save` with a temporary path, then move the finished file to `path`, or to what `path` links to.
 
-    Raises UserError where it cannot be written.
+    Raises UserError if it cannot be written.
     """
     partial = None
     try:
         check_writable(path)
         target = path.resolve()
-        # a short name, which nobody can foresee and put a link in the place of
+        # a random name, so that nobody can put a link there beforehand
         partial = target.with_name(f".{secrets.token_hex(8)}.partial")
         save(partial)
         os.replace(partial, target)
@@ -33,14 +33,14 @@ def whole(path: Path, save: Callable[[Path], object]) -> None:
 
 
 def check_writable(path: Path) -> None:
-    """Refuse a place that cannot be written before any work is done. Raises UserError."""
+    """Check before any work is done that `path` can be written. Raises UserError otherwise."""
     folder = path.parent
     try:
         if path.is_dir():
             raise UserError(f"{path}: is a folder. Name a file in it.")
         if not folder.is_dir():
             raise UserError(f"{path}: there is no folder {folder}. Make it first.")
-        # a device or a pipe, which a file would replace
+        # writing would replace a device or a pipe by a file
         if path.exists() and not path.is_file():
             raise UserError(f"{path}: is no plain file. Name another place.")
         if not os.access(folder, os.W_OK) or (path.exists() and not os.access(path, os.W_OK)):
@@ -50,7 +50,11 @@ def check_writable(path: Path) -> None:
 
 
 def new_folder(option: str, folder: Path, fill: Callable[[Path], object]) -> None:
-    """Call `fill` with a temporary folder and move what it leaves there to `folder`, which is new or empty."""
+    """Call `fill` with a temporary folder, then copy what it put there to `folder`, which must be new or empty.
+
+    option  the command line's option that named the folder, for messages
+    Raises UserError if the folder is not empty or cannot be written.
+    """
     check_folder(option, folder.parent)
     if folder.exists() and not (folder.is_dir() and not any(folder.iterdir())):
         raise UserError(f"{option} {folder}: is not empty. Name a folder that is new or empty.")
@@ -65,6 +69,6 @@ def new_folder(option: str, folder: Path, fill: Callable[[Path], object]) -> Non
 
 
 def check_folder(option: str, folder: Path | None) -> None:
-    """Refuse a folder that an option names and that is not there."""
+    """Check that a folder named by an option exists. Raises UserError otherwise."""
     if folder is not None and not folder.is_dir():
         raise UserError(f"{option} {folder}: there is no such folder. Make it first.")

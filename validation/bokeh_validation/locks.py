@@ -1,4 +1,4 @@
-"""Taking turns between processes: what is made in the cache folder on first use is made by one of them."""
+"""Let processes take turns: what the cache folder lacks is made once, by the first process that needs it."""
 
 import hashlib
 import shutil
@@ -13,9 +13,9 @@ from bokeh_validation import files, paths
 
 @contextmanager
 def held(name: str) -> Iterator[None]:
-    """Wait for the lock `name` of the cache folder and hold it; as a decorator too, while the function runs.
+    """Hold the lock `name` of the cache folder, waiting for it if necessary. Also works as a decorator of a function.
 
-    It is gone with the process that holds it, however that ends. Not for a lock within itself.
+    The lock is released when its process ends, however that happens. It is not reentrant.
     """
     with FileLock(paths.ensured(paths.cache_folder() / "locks") / name):
         yield
@@ -33,11 +33,11 @@ def digest(ingredients: Iterable[str | bytes | Path]) -> str:
 
 
 def built_once(name: str, ingredients: Iterable[str | Path], build: Callable[[Path], object]) -> Path:
-    """The folder of the cache folder that holds what is built from these ingredients: built on first use.
+    """Return a folder in the cache folder that holds what is built from these ingredients, building it on first use.
 
     name         of the folder, such as 'engines/ogre'; a digest of the ingredients is added
-    ingredients  all that the contents depend on, see digest()
-    build        fills the folder, which is empty; where it raises, the next call begins anew
+    ingredients  everything that the contents depend on, see digest()
+    build        fills the folder, which is empty; if it raises, the next call starts over
     """
     folder = paths.cache_folder() / f"{name}-{digest(ingredients)[:16]}"
     complete = folder / "complete"
@@ -50,12 +50,12 @@ def built_once(name: str, ingredients: Iterable[str | Path], build: Callable[[Pa
 
 
 def kept(folder: str, suffix: str, ingredients: Iterable[str | bytes | Path], make: Callable[[], bytes]) -> Path:
-    """The file of the cache folder that holds what is made from these ingredients: made on first use.
+    """Return a file in the cache folder that holds what is made from these ingredients, making it on first use.
 
-    folder       in the cache folder, such as 'bytecode'
+    folder       below the cache folder, such as 'bytecode'
     suffix       of the file's name, with its dot
-    ingredients  all that the bytes depend on, see digest()
-    make         returns the bytes; where it raises, nothing is kept
+    ingredients  everything that the bytes depend on, see digest()
+    make         returns the bytes; if it raises, nothing is kept
     """
     file = paths.ensured(paths.cache_folder() / folder) / f"{digest(ingredients)[:32]}{suffix}"
     if not file.exists():

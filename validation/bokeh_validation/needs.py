@@ -1,7 +1,7 @@
-"""What each command needs besides the checkout: from where, how large, and the line that installs it.
+"""List what each command needs besides the checkout: where it comes from, its size, and how to install it.
 
-The one table of it: setup.py installs by it, doctor prints it, messages about what is missing quote it, and a test
-holds CONTRIBUTING.md to it. Only the standard library is used here, since setup.py runs before anything else is there.
+This is the only such table: setup.py installs from it, doctor prints it, error messages quote it, and a test checks
+CONTRIBUTING.md against it. Only the standard library is used here, since setup.py runs before anything is installed.
 """
 
 from collections.abc import Sequence
@@ -12,13 +12,13 @@ APT = "apt-get install -y --no-install-recommends"
 
 @dataclass(frozen=True)
 class Need:
-    """Something that is installed, or downloaded, before some commands run.
+    """Describe something to be installed or downloaded before some commands can run.
 
-    what       in a few words
-    megabytes  to fetch; of Debian packages what they add to those of the rows above, on Debian 12, amd64
+    what       a short description
+    megabytes  to download; Debian packages: what they add to the rows above, on Debian 12, amd64
     packages   of Debian and Ubuntu
     extra      of pyproject.toml, if it is one
-    elsewhere  how to get it where there is no apt-get, or as well
+    elsewhere  how to get it without apt-get, or an alternative
     """
 
     what: str
@@ -29,7 +29,7 @@ class Need:
 
     @property
     def source(self) -> str:
-        """Who publishes it."""
+        """Return who publishes it."""
         if self.extra:
             return "PyPI"
         return "Debian" if self.packages else self.elsewhere
@@ -58,8 +58,8 @@ NEEDS = {
         "g++ libvulkan-dev glslang-tools vulkan-validationlayers",
     ),
     "reshade": _debian("ReShade's effects on Vulkan", 1, "vkbasalt vulkan-tools xvfb xauth mesa-vulkan-drivers"),
-    # setup.py installs none of these: a wheel of core has the first; commands download DXC, fxc and Slang; the last is
-    # your own
+    # setup.py installs none of the following: a wheel in core has the first, commands download DXC, fxc and Slang, and
+    # you install the last yourself
     "glslang": _debian("shader compilers, where no wheel has them", 6, "glslang-tools spirv-tools", "Vulkan SDK"),
     "window": _debian("a display for samples with a window", 1, "xvfb xauth libgl1 libgl1-mesa-dri"),
     "dxc": Need("Microsoft's DXC, into the cache folder", 67, elsewhere="PyPI, compushady"),
@@ -87,7 +87,7 @@ COMMANDS = {
     "engines": EVERYTHING,
     "test": EVERYTHING,
 }
-# Words of a command line that need more than its command does, by their beginnings
+# Words of a command line that add needs, by how the words begin
 WORDS = {
     **dict.fromkeys(("d3d9", "--driver=d3d"), ("wine", "fxc")),
     **dict.fromkeys(("webgl2", "webgpu", "--driver=web"), BROWSER),
@@ -97,7 +97,9 @@ QUIET = {"-h", "--help", "--version"}
 
 
 def of(arguments: Sequence[str]) -> tuple[str, ...]:
-    """Names of what a command line of validation/run needs: nobody gets Wine who asks for the version."""
+    """Return the names of what a command line of validation/run needs, so that asking for the version installs no
+    Wine.
+    """
     if QUIET & set(arguments):
         return ("core",)
     command = next((word for word in arguments if word in COMMANDS), "")
@@ -106,12 +108,12 @@ def of(arguments: Sequence[str]) -> tuple[str, ...]:
 
 
 def megabytes(*commands: str) -> int:
-    """How much is fetched for these commands together, on a machine that has nothing of it."""
+    """Return the size of the downloads for these commands together on a fresh machine, MB."""
     return sum(NEEDS[name].megabytes for name in {name for command in commands for name in COMMANDS[command]})
 
 
 def install(name: str) -> str:
-    """How to install it, as a message about what is missing ends."""
+    """Return how to install a need, worded as the end of a message about what is missing."""
     need = NEEDS[name]
     if need.extra:
         return f'commands that need it fetch it, or pip install -e "validation[{need.extra}]"'
@@ -120,10 +122,10 @@ def install(name: str) -> str:
 
 
 def packages(names: Sequence[str]) -> tuple[str, ...]:
-    """The packages of Debian and Ubuntu that these needs name, each once."""
+    """Return the Debian and Ubuntu packages of these needs, without duplicates."""
     return tuple(dict.fromkeys(package for name in names for package in NEEDS[name].packages))
 
 
 def extras(names: Sequence[str]) -> tuple[str, ...]:
-    """The extras of pyproject.toml among these needs, core first."""
+    """Return the extras of pyproject.toml among these needs, core first."""
     return tuple(extra for extra in ("core", "lab", "web") if any(NEEDS[name].extra == extra for name in names))

@@ -1,4 +1,4 @@
-"""The options that say what to render: one table. `render`, `plan` and `compare` take them all from here."""
+"""Define the options that say what to render, in one table that `render`, `plan` and `compare` share."""
 
 import inspect
 import json
@@ -16,10 +16,10 @@ from bokeh_validation.frame import aperture_shapes, methods
 from bokeh_validation.frame.methods import Camera, Focus, Settings
 from bokeh_validation.shaders.parameters import PARAMETERS
 
-# A kernel is a row of texels; 8192 is what every device of the last fifteen years can hold.
+# Most offsets of a kernel, which is a row of texels: every device of the last fifteen years supports a width of 8192.
 MAX_KERNEL = 8192
 MAX_SAMPLES = 1024
-# What the command line begins with; an option that is not given is left as it is here
+# What the command line starts from; options that are not given keep these values
 F_STOP, BOKEH_SCALE = 2.8, 10.0
 DEFAULT = Settings("layered", camera=Camera(Camera.focal_length / F_STOP * BOKEH_SCALE))
 INF, TINY = math.inf, math.ulp(0.0)
@@ -29,15 +29,15 @@ Needs = tuple[Callable[[Settings], bool], str, str]
 
 @dataclass(frozen=True)
 class Option:
-    """An option of the command line, and what it sets.
+    """Describe an option of the command line and the setting that it changes.
 
-    name     `--name`; of a switch also `--no-name`
-    field    of methods.Settings: 'squeeze', or 'camera.max_coc' of its camera
+    name     `--name`; a switch also has `--no-name`
+    field    of methods.Settings: 'squeeze', or 'camera.max_coc' for a field of its camera
     kind     str, int, float, or bool for a switch
     help     for --help
-    allowed  the words it takes, or the least and the most of a number, and the same in words
-    methods  those that it has an effect on
-    needs    test of the settings, why it has no effect where that fails, what to do
+    allowed  the words it takes; or the minimum and maximum of a number and the same in words
+    methods  the methods that it has an effect on
+    needs    a test of the settings, why the option has no effect if that fails, and what to do
     """
 
     name: str
@@ -50,27 +50,27 @@ class Option:
 
     @property
     def parameter(self) -> inspect.Parameter:
-        """Of a command's function; None where it was not given."""
+        """Return the parameter of a command's function; its value is None if the option was not given."""
         names = f"--{self.name}/--no-{self.name}" if self.kind is bool else f"--{self.name}"
         default = "" if self.value(DEFAULT) is None else f" [default: {self.told(DEFAULT).split()[-1]}]"
         annotation = Annotated[self.kind | None, typer.Option(names, help=self.help + default, show_default=False)]
         return inspect.Parameter(self.name.replace("-", "_"), KEYWORD, default=None, annotation=annotation)
 
     def value(self, settings: Settings) -> object:
-        """What the settings have for it."""
+        """Return the value that the settings have for this option."""
         owner, _, part = self.field.partition(".")
         whole = getattr(settings, owner)
         return getattr(whole, part) if part else whole
 
     def put(self, settings: Settings, value: object) -> Settings:
-        """The settings with another value for it."""
+        """Return the settings with another value for this option."""
         owner, _, part = self.field.partition(".")
         if part:
             value = replace(getattr(settings, owner), **{part: value})
         return replace(settings, **{owner: value})
 
     def told(self, settings: Settings) -> str:
-        """The option and its value as somebody may have given it."""
+        """Return the option with its value as typed on a command line."""
         value = self.value(settings)
         if self.kind is bool:
             return f"--{self.name}" if value else f"--no-{self.name}"
@@ -155,10 +155,12 @@ LENS_OPTIONS = [
 
 
 def with_lens(settings: Settings, given: Iterable[Option], f_stop: float | None, bokeh_scale: float | None) -> Settings:
-    """Return the settings with the aperture of an f-stop and a bokeh scale, as every integration sets it.
+    """Return the settings with the aperture that an f-stop and a bokeh scale make, computed as in every integration.
 
-    given   options that were given beside these two
-    Raises UserError where one is out of range, or where something else says what the aperture is.
+    given        the other options on the command line
+    f_stop       None: F_STOP
+    bokeh_scale  None: BOKEH_SCALE
+    Raises UserError if one is out of range, or if another option already sets the aperture.
     """
     wanted = {"--f-stop": (f_stop, TINY), "--bokeh-scale": (bokeh_scale, 0.0)}
     wanted = {name: pair for name, pair in wanted.items() if pair[0] is not None}
@@ -176,7 +178,7 @@ def with_lens(settings: Settings, given: Iterable[Option], f_stop: float | None,
 
 
 def parsed_sets(given: Iterable[str] | None) -> dict[str, float]:
-    """Return parameter -> value of --set BokehDepthKind=1. Raises UserError."""
+    """Return parameter -> value from --set NAME=VALUE arguments. Raises UserError."""
     found = {}
     for text in given or ():
         name, _, number = text.partition("=")
@@ -190,7 +192,7 @@ def parsed_sets(given: Iterable[str] | None) -> dict[str, float]:
 
 
 def read_plan(path: Path) -> Settings:
-    """Return the settings of a frame that `plan` printed. Raises UserError."""
+    """Read the settings of a frame from a JSON file that `plan` printed. Raises UserError."""
     try:
         data = json.loads(path.read_text(encoding="utf-8"))["settings"]
         focus = data["focus"] and Focus(**{name: tuple(pair) for name, pair in data["focus"].items()})
@@ -203,8 +205,10 @@ def read_plan(path: Path) -> Settings:
 
 
 def with_settings(command: Callable) -> Callable:
-    """A command with the options of the table in place of its parameter `settings`, which is made of them and checked:
-    what is given on the command line has an effect, or is refused by a UserError.
+    """Replace the parameter `settings` of a command by the options of TABLE.
+
+    The command receives the settings made from them, already checked: an option given on the command line has an
+    effect or is refused with a UserError.
     """
     signature = inspect.signature(command)
 
@@ -231,7 +235,7 @@ def with_settings(command: Callable) -> Callable:
 
 
 def check(settings: Settings, given: Iterable[Option] = ()) -> None:
-    """Refuse settings that mean nothing, and options that were given and have no effect. Raises UserError."""
+    """Refuse settings that make no sense, and options in `given` that have no effect. Raises UserError."""
     for option in TABLE:
         value = option.value(settings)
         if option.kind is str and value not in option.allowed:
@@ -256,6 +260,6 @@ def check(settings: Settings, given: Iterable[Option] = ()) -> None:
         raise UserError(f"--focus-distance {distance:g}: not allowed with focal length {focal:g}. Give more than that.")
     if coc is not None and coc > camera.max_coc:
         raise UserError(f"--coc {coc:g}: --max-coc {camera.max_coc:g} would clamp it. Raise --max-coc as well.")
-    # 128 of the shape with the fewest offsets are more than enough
+    # 128 samples of the shape with the fewest offsets exceed the limit already
     if method == "naive" and len(aperture_shapes.kernel(aperture, min(count, 128))) > MAX_KERNEL:
         raise UserError(f"--samples {count}: a naive {aperture} has more than {MAX_KERNEL} offsets. Give fewer.")

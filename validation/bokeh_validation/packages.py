@@ -1,4 +1,4 @@
-"""Libraries out of packages of PyPI, fetched once into the cache folder, pinned by version and hash."""
+"""Fetch libraries from packages of PyPI once into the cache folder, pinned by version and hash."""
 
 import shutil
 import sys
@@ -14,7 +14,14 @@ DOWNLOAD_S = 540
 
 @dataclass(frozen=True)
 class Package:
-    """One file, `member`, of the archive of a package of this name and version that `options` of pip choose."""
+    """Name one file in a package's archive.
+
+    compiler       the compiler that it belongs to, for messages and the cache folder
+    name, version  of the package
+    sha256         of the archive
+    options        for pip, to choose the archive
+    member         path of the file in the archive
+    """
 
     compiler: str
     name: str
@@ -24,7 +31,7 @@ class Package:
     member: str
 
     def fetch(self) -> Path:
-        """Where the file is in the cache folder, downloaded if it was not there. Raises Unavailable."""
+        """Return the file's path in the cache folder, downloading it first if necessary. Raises Unavailable."""
         name = Path(self.member).name
 
         def download(folder: Path) -> None:
@@ -37,7 +44,7 @@ class Package:
         return locks.built_once(f"libraries/{self.compiler}", [self.version, self.sha256, self.member], download) / name
 
     def _downloaded(self, folder: Path) -> Path:
-        """The archive; pip refuses one that has another hash."""
+        """Download the archive into a folder and return its path; pip refuses one with another hash."""
         requirements = folder / "requirements.txt"
         requirements.write_text(f"{self.name}=={self.version} --hash=sha256:{self.sha256}\n", encoding="ascii")
         command = [sys.executable, "-m", "pip", "download", "-q", "--no-deps", *self.options, "--require-hashes"]

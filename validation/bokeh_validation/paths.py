@@ -1,4 +1,4 @@
-"""Where things are: the checkout, and the one folder outside it that the harness writes to."""
+"""Locate the checkout and the one folder outside it that the harness writes to."""
 
 import os
 from pathlib import Path
@@ -12,7 +12,9 @@ LANGUAGES = ("hlsl", "glsl", "wgsl")
 
 
 def cache_folder() -> Path:
-    """Folder for downloads, the virtual environment and reports: $BOKEH_CACHE, else under the user's cache folder."""
+    """Return the folder for downloads, the virtual environment and reports: $BOKEH_CACHE, else below the user's cache
+    folder.
+    """
     named = os.environ.get("BOKEH_CACHE")
     if named:
         return Path(named)
@@ -21,15 +23,15 @@ def cache_folder() -> Path:
 
 
 def ensured(folder: Path) -> Path:
-    """The folder, made if it was not there."""
+    """Create the folder if necessary and return it."""
     folder.mkdir(parents=True, exist_ok=True)
     return folder
 
 
 def shaders() -> Path:
-    """Folder that holds hlsl/, glsl/ and wgsl/: $BOKEH_SHADERS, else the checkout.
+    """Return the folder that holds hlsl/, glsl/ and wgsl/: $BOKEH_SHADERS, else the checkout.
 
-    The engines' samples always take the checkout's shaders.
+    The engines' samples always use the checkout's shaders. Raises UserError if a folder is missing.
     """
     folder = Path(os.environ.get("BOKEH_SHADERS") or ROOT)
     missing = [language for language in LANGUAGES if not (folder / language).is_dir()]
@@ -38,10 +40,10 @@ def shaders() -> Path:
     return folder
 
 
-# The files of a language in the order in which they are put together
+# The files of a language, in the order in which they are concatenated
 STEMS = ("bokeh", "bokeh_paper", "bokeh_layers", "bokeh_lens", "bokeh_passes")
 
 
 def shader(language: str, stem: str = "bokeh") -> Path:
-    """A file of a language, by one of STEMS."""
+    """Return the path of a shader file; `stem` is one of STEMS."""
     return shaders() / language / f"{stem}.{language}"

@@ -1,4 +1,4 @@
-"""HDR to 8 bits, for people to look at: alone, side by side with captions, as a file, in a page."""
+"""Convert HDR images to 8 bits to look at: single, in a captioned grid, as a file, or embedded in a page."""
 
 import base64
 import io
@@ -12,30 +12,30 @@ from PIL import Image, ImageDraw, ImageFont
 from bokeh_validation import files, metrics
 
 GAP, LINE_HEIGHT, TEXT_SIZE, INK = 8, 17, 13, (40, 40, 40)
-# A picture of the documents may be so large as a PNG. Above that it is a lossless WebP, which is a third smaller.
+# Largest PNG among the documents' images, bytes. A larger image is stored as a lossless WebP, a third smaller.
 MAX_PNG_BYTES = 700_000
 
 
 class Captioned(NamedTuple):
-    """8-bit rgb (H, W, 3) and what is written under it; words are wrapped to the picture's width."""
+    """Pair an 8-bit rgb image (H, W, 3) with the caption under it, which is wrapped to the image's width."""
 
     pixels: np.ndarray
     caption: str = ""
 
 
 def display(color: np.ndarray, exposure: float = 1.0, tone_map: bool = False) -> np.ndarray:
-    """Linear rgb (H, W, >= 3) to 8 bits: cut off at 1, or tone-mapped; gamma 2.2."""
+    """Convert linear rgb (H, W, >= 3) to 8 bits with gamma 2.2: clipped at 1, or tone-mapped."""
     color = _exposed(color, exposure)
     return _bytes(metrics.tone_mapped(color) if tone_map else np.clip(color, 0.0, 1.0) ** (1.0 / 2.2))
 
 
 def filmic(color: np.ndarray, exposure: float = 1.0) -> np.ndarray:
-    """Linear rgb (H, W, >= 3) to 8 bits by filmic_curve()."""
+    """Convert linear rgb (H, W, >= 3) to 8 bits by filmic_curve()."""
     return _bytes(filmic_curve(color, exposure))
 
 
 def filmic_curve(color: np.ndarray, exposure: float = 1.0) -> np.ndarray:
-    """Linear rgb (H, W, >= 3) to what a display shows, 0 .. 1: Narkowicz's fit of ACES, gamma 2.2."""
+    """Map linear rgb (H, W, >= 3) to display values 0 to 1: Narkowicz's fit of ACES, then gamma 2.2."""
     x = _exposed(color, exposure)
     return np.clip(x * (2.51 * x + 0.03) / (x * (2.43 * x + 0.59) + 0.14), 0.0, 1.0) ** (1.0 / 2.2)
 
@@ -49,30 +49,30 @@ def _bytes(shown: np.ndarray) -> np.ndarray:
 
 
 def heat(distance: np.ndarray, full: float) -> np.ndarray:
-    """Distances (H, W) to 8 bits: 0 black, red, yellow, `full` and more white."""
+    """Map distances (H, W) to 8-bit rgb: black at 0, then red, yellow, and white from `full` on."""
     share = np.clip(distance / full, 0.0, 1.0)
     return (np.stack([np.clip(3 * share - k, 0.0, 1.0) for k in range(3)], axis=-1) * 255).astype(np.uint8)
 
 
 def enlarged(pixels: np.ndarray, factor: int) -> np.ndarray:
-    """Each pixel as a block, so that single pixels can be seen."""
+    """Enlarge each pixel to a block, so that single pixels can be seen."""
     return np.repeat(np.repeat(pixels, factor, axis=0), factor, axis=1)
 
 
 def halved(pixels: np.ndarray) -> np.ndarray:
-    """8-bit rgb at half its size."""
+    """Return an 8-bit rgb image at half its size."""
     return np.asarray(Image.fromarray(pixels).reduce(2))
 
 
 def crop(image: np.ndarray, left: int, top: int, width: int, height: int) -> np.ndarray:
-    """A part of (H, W, ...)."""
+    """Return a rectangle of an image (H, W, ...), in pixels."""
     return image[top : top + height, left : left + width]
 
 
 def grid(rows: Sequence[Sequence[Captioned]]) -> np.ndarray:
-    """Pictures in rows with their captions, on white, 8-bit rgb (H, W, 3)."""
+    """Arrange images and their captions in rows on white; returns 8-bit rgb (H, W, 3)."""
     captions = [[_wrapped(panel.caption, panel.pixels.shape[1]) for panel in row] for row in rows]
-    # of each row: its pictures, and its captions with a little room above them
+    # height of each row's images, and of its captions with a small margin above them
     picture_heights = [max(panel.pixels.shape[0] for panel in row) for row in rows]
     line_counts = [max(map(len, row)) for row in captions]
     text_heights = [4 + LINE_HEIGHT * count if count else 0 for count in line_counts]
@@ -92,12 +92,12 @@ def grid(rows: Sequence[Sequence[Captioned]]) -> np.ndarray:
 
 
 def _font() -> ImageFont.FreeTypeFont:
-    """Pillow's own, so that pictures are the same everywhere."""
+    """Return Pillow's built-in font, so that images are the same on every machine."""
     return ImageFont.load_default(TEXT_SIZE)
 
 
 def _wrapped(text: str, width: int) -> list[str]:
-    """Lines that fit into `width` pixels, as far as words allow."""
+    """Break text into lines that fit into `width` pixels, as far as the length of words allows."""
     lines: list[str] = []
     for word in text.split():
         longer = f"{lines[-1]} {word}" if lines else word
@@ -109,19 +109,19 @@ def _wrapped(text: str, width: int) -> list[str]:
 
 
 def _encoded(pixels: np.ndarray, kind: str, **options: object) -> bytes:
-    """8-bit rgb (H, W, 3) as a PNG, JPEG or WebP."""
+    """Encode 8-bit rgb (H, W, 3) as PNG, JPEG or WebP."""
     buffer = io.BytesIO()
     Image.fromarray(pixels).save(buffer, kind, **options)
     return buffer.getvalue()
 
 
 def png_uri(pixels: np.ndarray) -> str:
-    """8-bit rgb as a data: address, for a page without files beside it."""
+    """Return 8-bit rgb as a PNG data: URI, for a page without other files."""
     return f"data:image/png;base64,{base64.b64encode(_encoded(pixels, 'PNG', optimize=True)).decode('ascii')}"
 
 
 def jpeg_uri(pixels: np.ndarray, width: int | None = None) -> str:
-    """8-bit rgb as a data: address, not to the last bit, and at most so wide."""
+    """Return 8-bit rgb as a JPEG data: URI, which is lossy, scaled down to at most `width` pixels."""
     if width and pixels.shape[1] > width:
         height = round(pixels.shape[0] * width / pixels.shape[1])
         pixels = np.asarray(Image.fromarray(pixels).resize((width, height), Image.Resampling.BOX))
@@ -129,15 +129,15 @@ def jpeg_uri(pixels: np.ndarray, width: int | None = None) -> str:
 
 
 def write_png(path: Path, pixels: np.ndarray) -> None:
-    """Write 8-bit rgb; the file appears complete or not at all."""
+    """Write 8-bit rgb as a PNG; the file appears complete or not at all."""
     data = _encoded(pixels, "PNG", optimize=True)
     files.whole(path, lambda partial: partial.write_bytes(data))
 
 
 def write_document(folder: Path, name: str, pixels: np.ndarray) -> Path:
-    """Write a picture of the documents, 8-bit rgb, and return its path: NAME.png, or NAME.webp where that is large.
+    """Write an 8-bit rgb image of the documents and return its path: NAME.png, or NAME.webp if that is too large.
 
-    All 24 bits are kept: a comparison of blur must not have bands of its own.
+    Both are lossless, because lossy compression would add banding to a comparison of blur.
     """
     data, path = _encoded(pixels, "PNG", optimize=True), folder / f"{name}.png"
     if len(data) > MAX_PNG_BYTES:
@@ -147,7 +147,7 @@ def write_document(folder: Path, name: str, pixels: np.ndarray) -> Path:
 
 
 def write_animation(folder: Path, name: str, frames: Sequence[np.ndarray], milliseconds: int, quality: int) -> Path:
-    """Write 8-bit rgb frames as NAME.webp, which repeats without end, and return its path. Not to the last bit."""
+    """Write 8-bit rgb frames as NAME.webp, a lossy animation that loops forever, and return its path."""
     first, *others = map(Image.fromarray, frames)
     buffer, path = io.BytesIO(), folder / f"{name}.webp"
     options = {"save_all": True, "append_images": others, "duration": milliseconds, "loop": 0, "method": 6}

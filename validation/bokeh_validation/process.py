@@ -1,4 +1,4 @@
-"""Find and run programs: each in a process of its own, with a time limit, and with nothing written beside it."""
+"""Find and run programs: in their own process group, with a time limit, leaving no files behind."""
 
 import os
 import shutil
@@ -13,17 +13,21 @@ from threading import Lock
 from bokeh_validation import paths
 from bokeh_validation.errors import Unavailable
 
-# Lines of the program's output that an error repeats
+# Number of the output's last lines that an error message repeats
 LAST_LINES = 15
 
 
 def run(
     command: Sequence[str | Path], seconds: float, folder: Path | None = None, extra: Mapping[str, str] | None = None
 ) -> str:
-    """Run a command and return what it said, both streams. `folder` is where it runs, `extra` more environment.
+    """Run a command and return its output, both streams together.
 
-    Raises RuntimeError with its last words where it fails or takes longer than `seconds`; its children end with it.
-    The caches of Python and Mesa are in the cache folder.
+    seconds  time limit
+    folder   working directory
+    extra    additional environment variables
+
+    Python's and Mesa's caches are placed in the cache folder. Raises RuntimeError with the last lines of the output if
+    the command fails or exceeds the time limit; its child processes are ended too.
     """
     cache, words = paths.ensured(paths.cache_folder()), [str(part) for part in command]
     environment = {"XDG_RUNTIME_DIR": str(cache), **os.environ, "PYTHONPYCACHEPREFIX": str(cache / "pycache")}
@@ -49,13 +53,13 @@ def run(
 
 
 def _end(process: subprocess.Popen) -> None:
-    """The process and its children, which are a group of their own."""
+    """Kill the process and its children, which form one process group."""
     os.killpg(process.pid, signal.SIGKILL)
     process.wait()
 
 
 def find(name: str, install: str) -> str:
-    """Path of a program. Raises Unavailable with the install command when there is none."""
+    """Return the path of a program. Raises Unavailable with `install`, how to install it, if there is none."""
     path = shutil.which(name)
     if path is None:
         raise Unavailable(f"{name} is not on this machine; {install}")
@@ -63,7 +67,9 @@ def find(name: str, install: str) -> str:
 
 
 def once(make: Callable) -> Callable:
-    """Decorator: what lives in this process is made on first use, and where it is missing, that is remembered too."""
+    """Decorate a function without arguments so that it runs once per process; an Unavailable that it raises is
+    remembered too.
+    """
     lock, made = Lock(), []
 
     @wraps(make)
@@ -84,9 +90,9 @@ def once(make: Callable) -> Callable:
 
 
 def end_programs() -> None:
-    """To be called before os._exit(), which runs no exit handlers: end Wine and its display, if they were used at all.
+    """End Wine and its display if they were used; call this before os._exit(), which runs no exit handlers.
 
-    Mesa's and wgpu's libraries tear down in an order of their own, so nothing here ends in another way.
+    The program ends with os._exit() because Mesa's and wgpu's libraries may crash in their own clean-up at exit.
     """
     windows = sys.modules.get("bokeh_validation.windows.wine")
     if windows:

@@ -1,4 +1,4 @@
-"""The command `validation/run render`: one EXR through the shaders."""
+"""Blur one EXR file with the shaders: the command `validation/run render`."""
 
 from pathlib import Path
 from typing import Annotated
@@ -15,7 +15,7 @@ Layer = Annotated[str | None, Option(help="Layer or part that has R, G and B: Vi
 
 
 def read(source: Path, settings: methods.Settings, depth_channel: str | None, layer: str | None) -> exr.Scene:
-    """Colour and depth of a file; without a depth channel where the CoC is constant. Raises UserError."""
+    """Read colour and depth of a file; no depth is read if the CoC is constant. Raises UserError."""
     if depth_channel == "":
         raise UserError("--depth-channel: is empty. Name a channel of the file, such as Z, or leave it out.")
     if settings.coc is None:

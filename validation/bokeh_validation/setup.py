@@ -1,11 +1,11 @@
-"""Put in place what a command needs, by the table in needs.py: Debian packages if this is root, and Python packages.
+"""Install what a command needs, from the table in needs.py: Debian packages (as root) and Python packages.
 
     python3 -S -P -m bokeh_validation.setup VALIDATION/run ARGUMENT...
 
-setup.sh calls it with the system's Python, so it uses the standard library alone. It ends by starting the script anew
-with BOKEH_SET_UP, the path of the virtual environment's Python. It prints nothing if everything is there.
-The environment has the extras that were asked for so far: most commands need only core, and the 54 MB of web are for
-those with a browser.
+setup.sh calls it with the system's Python, so it uses only the standard library. When done it restarts the script with
+BOKEH_SET_UP, the path of the virtual environment's Python. It prints nothing if everything is installed. The
+environment gets extras as commands need them: most need only core, and the 54 MB of web are for commands that start a
+browser.
 """
 
 import hashlib
@@ -29,24 +29,27 @@ LOCKS = {
         ("web", "requirements-web.txt"),
     )
 }
-# of pip: a second try after a hiccup, and no minutes where there is no network
+# options of pip: one more try after a hiccup, and a quick failure if there is no network
 PATIENCE = ("--retries", "2", "--timeout", "15")
 UNREACHABLE = re.compile(r"Retrying \(|ConnectionError|ConnectTimeout|ReadTimeout|name resolution")
 
 
 class SetUpFailed(Exception):
-    """What could not be set up, and why, in one line."""
+    """Raised with one line that says what could not be set up, and why."""
 
 
 def say(text: str) -> None:
-    """All talk goes to standard error; standard output belongs to the program."""
+    """Print to standard error; standard output belongs to the program."""
     print(f"set-up: {text}", file=sys.stderr, flush=True)
 
 
 @contextmanager
 def turn(name: str) -> Iterator[None]:
-    """One set-up at a time: a second one waits, and finds the work done. The lock goes with the process."""
-    import fcntl  # where there is none, pip installs pyproject.toml's extras without this module
+    """Hold a lock so that only one set-up runs at a time. A second one waits, then finds the work done.
+
+    The lock is released when its process ends.
+    """
+    import fcntl  # without fcntl (Windows), users install pyproject.toml's extras themselves
 
     with open(paths.cache_folder() / name, "w") as file:
         fcntl.flock(file, fcntl.LOCK_EX)
@@ -57,7 +60,7 @@ def turn(name: str) -> Iterator[None]:
 
 
 def missing(packages: Sequence[str]) -> list[str]:
-    """Those that are not installed. Elsewhere than on Debian and Ubuntu: none, and doctor tells what is missing."""
+    """Return the packages that are not installed, or none on systems other than Debian and Ubuntu."""
     if not packages or not (shutil.which("dpkg-query") and shutil.which("apt-get")):
         return []
     query = ["dpkg-query", "-W", "-f", "${Package} ${db:Status-Status}\n", *packages]
@@ -74,22 +77,26 @@ def _release() -> dict[str, str]:
 
 
 def _absent_file() -> Path:
-    """Names of what this release of the system does not have at all, as an earlier run found out."""
+    """Return the file that lists packages which this release does not offer, as found by earlier runs."""
     release = _release()
     return paths.cache_folder() / f"not-in-{release.get('ID', 'this')}-{release.get('VERSION_ID', 'release')}"
 
 
 def wanted(packages: Sequence[str]) -> list[str]:
-    """The missing ones, without those that are known not to be had: not asked for again and again."""
+    """Return the missing packages without those known to be unobtainable, so that apt is not asked for
+    them each time.
+    """
     absent = _absent_file().read_text().split() if _absent_file().exists() else []
-    # Ubuntu's chromium is a snap, which a container cannot install; npm from elsewhere brings node of its own
+    # Ubuntu's chromium is a snap, which a container cannot install; npm from another source comes with its own node
     absent += ["chromium"] if _release().get("ID") != "debian" else []
     absent += ["npm"] if shutil.which("npm") else []
     return [name for name in missing(packages) if name not in absent]
 
 
 def install_packages(packages: Sequence[str]) -> None:
-    """Install what is missing as root, or print the line that does. What fails is reported as missing later."""
+    """Install missing packages as root, otherwise print the command that does. A failure is reported
+    later as missing.
+    """
     if not (names := wanted(packages)):
         return
     if os.geteuid() != 0:
@@ -101,7 +108,7 @@ def install_packages(packages: Sequence[str]) -> None:
 
 
 class _Apt:
-    """apt-get, with what it says in a log."""
+    """Run apt-get, with its output in a log."""
 
     def __init__(self) -> None:
         self.log = paths.cache_folder() / "apt.log"
@@ -122,7 +129,7 @@ class _Apt:
         return subprocess.run(words, capture_output=True, text=True, env={**os.environ, "LC_ALL": "C"}).stdout
 
     def _offered(self, names: Sequence[str]) -> list[str]:
-        """Those of the packages that the package lists offer."""
+        """Return the packages that the package lists offer."""
         found, name = [], ""
         for line in self._said("apt-cache", "policy", *names).splitlines():
             if not line.startswith(" "):
@@ -138,7 +145,7 @@ class _Apt:
             offered = self._offered(names)
         for name in (name for name in names if name not in offered):
             say(f"{name} is not to be had here; what needs it will be reported as missing")
-            if self.updated:  # an update that failed is no proof
+            if self.updated:  # if the update failed, the package may exist all the same
                 with open(_absent_file(), "a") as file:
                     file.write(f"{name}\n")
         if not offered:
@@ -155,7 +162,7 @@ class _Apt:
         install = ("-o", "DPkg::Lock::Timeout=300", *options)
         if self._run(*install):
             return
-        if not self.updated:  # lists that are too old name files that are gone
+        if not self.updated:  # outdated package lists name files that no longer exist
             self._update()
             if self.updated and self._run(*install):
                 return
@@ -166,19 +173,19 @@ class _Apt:
 
 
 def environment() -> Path:
-    """The folder of the virtual environment: the locks and the Python decide what is in it, so they name it."""
+    """Return the folder of the virtual environment, named by a hash of the lock files and the Python version."""
     hashed = hashlib.sha256(b"".join(lock.read_bytes() for lock in LOCKS.values()))
     hashed.update(sys.version.encode() + sys.base_prefix.encode())
     return paths.cache_folder().absolute() / f"venv-{hashed.hexdigest()[:16]}"
 
 
 def _complete(target: Path, extra: str) -> Path:
-    """Written last of all: where it is missing, the set-up was interrupted, and is done again."""
+    """Return the file written last when an extra is complete; if it is missing, the installation is repeated."""
     return target / f"complete-{extra}"
 
 
 def install_extras(extras: Sequence[str]) -> Path:
-    """The environment's Python, with these extras of pyproject.toml in it. Raises SetUpFailed."""
+    """Install extras of pyproject.toml into the environment and return its Python. Raises SetUpFailed."""
     target = environment()
     python = target / "bin" / "python"
     if all(_complete(target, extra).exists() for extra in extras):
@@ -207,11 +214,11 @@ def _last(text: str) -> str:
 
 
 def _pip(python: Path, lock: Path) -> None:
-    """Install what a lock file pins; the name of each package is the sign of progress. Raises SetUpFailed."""
+    """Install what a lock file pins and print each package's name as it is collected. Raises SetUpFailed."""
     command = [python, "-I", "-m", "pip", "install", "--progress-bar", "off", "--disable-pip-version-check"]
     command += ["--no-input", *PATIENCE, "--require-hashes", "-r", lock]
     log = paths.cache_folder() / "pip.log"
-    # a session of its own, so that it ends with us
+    # in its own session, so that it can be ended together with this process
     options = {"stdin": subprocess.DEVNULL, "stderr": subprocess.STDOUT, "start_new_session": True}
     process = subprocess.Popen(list(map(str, command)), stdout=subprocess.PIPE, text=True, errors="replace", **options)
     said = []
@@ -236,7 +243,10 @@ def _pip(python: Path, lock: Path) -> None:
 
 
 def set_up(script: str, arguments: Sequence[str]) -> Path:
-    """What a script, 'run' or 'test', needs for these arguments; the Python to run it with. Raises SetUpFailed."""
+    """Install what a script, 'run' or 'test', needs for these arguments; returns the Python to run it with.
+
+    Raises SetUpFailed.
+    """
     with suppress(OSError):
         paths.ensured(paths.cache_folder())
     if not os.access(paths.cache_folder(), os.W_OK):
@@ -251,7 +261,7 @@ def _stop(*_) -> None:
 
 
 def main() -> None:
-    """Set up and start the script anew; a failure is one line and exit code 2."""
+    """Set up, then restart the script; a failure prints one line and exits with code 2."""
     signal.signal(signal.SIGTERM, _stop)
     script, *arguments = sys.argv[1:]
     try:

@@ -1,4 +1,4 @@
-"""What the commands of validation/run share: options, progress, output, and the drivers that --driver names."""
+"""Provide what the commands of validation/run share: options, progress, output, and the choice of drivers."""
 
 import json
 import re
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from bokeh_validation.drivers.base import Driver
 
 OK, FAILED, NOT_RUN = "[green]ok[/]", "[red]FAILED[/]", "[dim]not run[/]"
-# Tried in this order when no driver is named: the fastest to start first.
+# Tried in this order when no driver is named, fastest start first
 AUTO = ("egl", "osmesa", "wgpu", "dxc")
 
 DRIVER_HELP = "osmesa, egl, wgpu, dxc, d3d9, webgl2, webgpu or reference."
@@ -28,12 +28,12 @@ SeveralDrivers = Annotated[list[str] | None, typer.Option("--driver", help=DRIVE
 Adapter = Annotated[str | None, typer.Option("--adapter", help="Part of a device's name; a wrong one lists them.")]
 
 console = Console(soft_wrap=True)
-# What stands for standard output where a file is asked for
+# The path that means standard output
 STANDARD_OUTPUT = Path("-")
 
 
 def _json_target(context: typer.Context, path: Path | None) -> Path | None:
-    """The file of an option for JSON. Where that is '-', all other text of the command goes to standard error."""
+    """Return the path of a --json option; if it is '-', send all other text of the command to standard error."""
     if path == STANDARD_OUTPUT:
         console.stderr = True
         context.call_on_close(lambda: setattr(console, "stderr", False))
@@ -47,25 +47,27 @@ JsonFile = Annotated[
 
 
 def tell(*lines: str) -> None:
-    """Print lines as they are."""
+    """Print lines without interpreting markup."""
     for line in lines:
         console.print(line, markup=False, highlight=False)
 
 
 def tell_missing(missing: Mapping[str, str]) -> None:
-    """Print, in grey, what was not run and how to get it, a line each."""
+    """Print in grey what was not run and how to get it, one line each."""
     for name, reason in missing.items():
         console.print(f"not run: {name}: {reason}", style="dim", markup=False, highlight=False)
 
 
 def end(ok: bool) -> None:
-    """End the command by its exit code."""
+    """End the command with exit code 0, or 1 if not `ok`."""
     raise typer.Exit(0 if ok else 1)
 
 
 @contextmanager
 def progress(description: str, total: int) -> Iterator[Callable[[str], None]]:
-    """A progress bar on standard error, gone when done; yields what is to be called after each step, with its name."""
+    """Show a progress bar on standard error until done; yields a function to call after each step with the step's
+    name.
+    """
     columns = (*Progress.get_default_columns(), MofNCompleteColumn())
     bar = Progress(*columns, console=Console(stderr=True), transient=True, disable=not sys.stderr.isatty())
     task = bar.add_task(description, total=total)
@@ -74,7 +76,7 @@ def progress(description: str, total: int) -> Iterator[Callable[[str], None]]:
 
 
 def parsed_size(text: str, least: int, most: int) -> tuple[int, int]:
-    """(width, height) of --size '1920x1080'. Raises UserError."""
+    """Parse --size such as '1920x1080' into (width, height), each side `least` to `most` pixels. Raises UserError."""
     match = re.fullmatch(r"([0-9]{1,6})x([0-9]{1,6})", text)
     size = (int(match[1]), int(match[2])) if match else (0, 0)
     if not all(least <= side <= most for side in size):
@@ -85,7 +87,10 @@ def parsed_size(text: str, least: int, most: int) -> tuple[int, int]:
 def chosen(
     option: str, given: Iterable[str] | None, known: Iterable[str], default: Iterable[str] | None = None
 ) -> list[str]:
-    """What an option names, in the order of `known`; by default all of them. Raises UserError."""
+    """Return the names given for an option in the order of `known`; if none are given, `default`, else all.
+
+    Raises UserError for an unknown name.
+    """
     for name in given or ():
         if name not in known:
             raise UserError(f"{option} {name}: unknown. Give one of {', '.join(known)}.")
@@ -93,14 +98,14 @@ def chosen(
 
 
 def check_writable(*targets: Path | None) -> None:
-    """Refuse, before any work is done, files that cannot be written. Raises UserError."""
+    """Check before any work is done that these files can be written. Raises UserError otherwise."""
     for path in targets:
         if path not in (None, STANDARD_OUTPUT):
             files.check_writable(path)
 
 
 def write_json(path: Path | None, data: object) -> None:
-    """Write a file as a whole, or to standard output, if it was asked for."""
+    """Write data as JSON to a file or to standard output; do nothing if `path` is None."""
     text = json.dumps(data, indent=1) + "\n"
     if path == STANDARD_OUTPUT:
         sys.stdout.write(text)
@@ -109,7 +114,7 @@ def write_json(path: Path | None, data: object) -> None:
 
 
 def pick_driver(name: str | None, adapter: str | None) -> "Driver":
-    """The driver named, or the first that this machine has. Raises UserError."""
+    """Load the named driver, or the first one of AUTO that this machine has. Raises UserError."""
     from bokeh_validation import drivers
 
     for candidate in AUTO if name is None else ():
@@ -122,7 +127,10 @@ def pick_driver(name: str | None, adapter: str | None) -> "Driver":
 
 
 def pick_drivers(names: Iterable[str], adapter: str | None) -> tuple[list["Driver"], dict[str, str]]:
-    """The drivers named, and name -> reason for those that are missing. Raises UserError where none is left."""
+    """Load the named drivers; returns them, and name -> reason for those that are missing.
+
+    Raises UserError if none is available.
+    """
     from bokeh_validation import drivers
 
     found, missing = [], {}
@@ -139,7 +147,7 @@ def pick_drivers(names: Iterable[str], adapter: str | None) -> tuple[list["Drive
 
 
 def check_driver(name: str) -> None:
-    """Refuse a name that is no driver's. Raises UserError."""
+    """Check that a driver of this name exists. Raises UserError otherwise."""
     from bokeh_validation import drivers
 
     if name not in drivers.NAMES:

@@ -215,7 +215,9 @@ def aperture(
         str | None, typer.Option(metavar='"x,y x,y ..."', help="Any convex polygon: x right, y down, unit: the CoC.")
     ] = None,
 ) -> None:
-    """The line passes that make a polygon with min, as JSON (docs/methods/polygons.md); passes are numbered from 1."""
+    """Print the line passes that make a polygon with min, as JSON (docs/methods/polygons.md); passes are numbered from
+    1.
+    """
     if (sides is None) == (vertices is None):
         raise UserError("aperture: give either --sides or --vertices.")
     if sides is not None and not 3 <= sides <= 2 * MAX_DIRECTIONS:

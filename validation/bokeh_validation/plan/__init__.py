@@ -1,6 +1,8 @@
-"""A method's frame as data: `validation/run plan` prints it, and `validation/run generate` writes it into the samples.
+"""Describe a method's frame as data: `validation/run plan` prints it, and `validation/run generate` writes it into the
+samples.
 
-It is made from the passes that the drivers run (methods.plan), and holds all that an engine needs to draw them.
+The data are made from the passes that the drivers run (methods.plan) and hold everything that an engine needs to draw
+them.
 """
 
 import json
@@ -19,13 +21,13 @@ from bokeh_validation.shaders.parameters import BLOCK_FLOATS, PARAMETERS
 from bokeh_validation.shaders.passes import BINDINGS, FIRST_SAMPLER, SLOTS, Pass, is_linear, target_area, target_size
 
 LEAST_SIDE, MOST_SIDE = 2, 16384
-# Role of an entry -> format of its target and bytes of a texel
+# Role of an entry -> format of its target, and bytes per texel
 FORMATS = {DEPTH: ("R32F", 4)}
 USUAL_FORMAT = ("RGBA16F", 8)
 SIGNED_MAP = "BokehSignedCoCMap"
-# From the engine's depth buffer to metres, for paper and naive; the drivers are given metres
+# Converts the engine's depth buffer to metres for paper and naive; the harness's drivers receive metres
 LINEAR_DEPTH = Pass("BokehLinearDepth", {"DepthSamp": "depth buffer"}, "depth")
-# What BokehDebugMode asks for, in place of all passes after the signed map
+# Drawn for BokehDebugMode instead of all passes after the signed map
 DEBUG = Pass("BokehDebug", {"ColorSamp": "coc", "DepthSamp": "depth buffer"}, "result")
 VERTEX = {
     "entry": "BokehFullScreen",
@@ -37,7 +39,7 @@ VERTEX = {
     "without a bound vertex array: bind an empty one. Shader model 3 has no vertex index: there it takes a quad of "
     "your own with a position of -1 .. 1.",
 }
-# What is known in the engine only. The values in `parameters` are those of the settings, or defaults.
+# Parameters whose values only the engine knows; `parameters` has those of the settings, or defaults.
 OVERWRITE = {
     "lens": list(methods.LENS),
     "depth buffer": ["BokehDepthKind", "BokehNear", "BokehFar"],
@@ -66,15 +68,15 @@ NOTES = (
 
 
 def frame(settings: methods.Settings, size: tuple[int, int], viewport: tuple[int, int, int, int] | None = None) -> dict:
-    """Everything that an engine needs, ready for JSON; NOTES say how to read it.
+    """Return everything that an engine needs to draw a frame, ready for JSON; NOTES say how to read it.
 
     size      (width, height) of the textures, pixels
-    viewport  (x, y, width, height) of the image where it fills a part of them, from the first row in memory; x and y
-              are multiples of every pass's scale, or ValueError is raised
+    viewport  (x, y, width, height) if the image fills only a part of them, counted from the first row in memory. x and
+    y must be multiples of every pass's scale; ValueError is raised otherwise
 
     `last_read` is the last pass that reads a texture, null for the result; textures with the same number in `memory`
-    may be one target. Bindings are those of WebGPU and Vulkan, `register` is Direct3D's. Fetches are those of a texel
-    of a pass's targets, at most; those of the frame are per pixel of the full size.
+    may share a target. Bindings are those of WebGPU and Vulkan, `register` is Direct3D's. `fetches` of a pass is the
+    maximum for one texel of its targets; `fetches` of the frame is per full-size pixel.
     """
     plan = methods.plan(settings, viewport[2:] if viewport else size)
     if any("depth" in item.inputs.values() and item.entry != SIGNED_MAP for item in plan.passes):
@@ -121,7 +123,7 @@ def frame(settings: methods.Settings, size: tuple[int, int], viewport: tuple[int
 
 
 def _presets(method: str) -> dict[str, dict]:
-    """Name of a preset -> its define, and the constants that it stands for."""
+    """Return name of a preset -> its define, and the constants that the define sets."""
     names, presets = methods.PRESET_CONSTANTS, methods.PRESETS
     if method == "exact":
         names, presets = methods.EXACT_CONSTANTS, methods.EXACT_PRESETS
@@ -133,7 +135,7 @@ def _presets(method: str) -> dict[str, dict]:
 
 
 def text(planned: dict) -> str:
-    """A frame as JSON with one pass, texture or note a line."""
+    """Format a frame as JSON with one pass, texture or note per line."""
     members = []
     for key, value in planned.items():
         entries, brackets = [], "[]"
@@ -148,19 +150,22 @@ def text(planned: dict) -> str:
 
 
 def _from_buffer(item: Pass) -> Pass:
-    """With the engine's depth buffer in place of metres."""
+    """Return the pass reading the engine's depth buffer instead of metres."""
     renamed = {slot: "depth buffer" if name == "depth" else name for slot, name in item.inputs.items()}
     return replace(item, inputs=renamed)
 
 
 def _read(item: Pass) -> Pass:
-    """Without the inputs that its one target does not need: no program of GLSL has a uniform for them."""
+    """Return the pass without inputs that its single target does not need: the GLSL program has no uniform for them."""
     left_out = [read["slot"] for read in _unread(item)]
     return replace(item, inputs={slot: name for slot, name in item.inputs.items() if slot not in left_out})
 
 
 def _unread(item: Pass) -> list[dict]:
-    """The inputs that its one target does not need. In WGSL the entry has them still: its target is an override."""
+    """Return the inputs that the pass's single target does not need.
+
+    In WGSL the entry still declares them, since its target is chosen by an override constant.
+    """
     if item.spec.whole not in UNREAD:
         return []
     slots = UNREAD[item.spec.whole][item.constants["BOKEH_TARGET_INDEX"]]
@@ -170,7 +175,7 @@ def _unread(item: Pass) -> list[dict]:
 
 
 def _debug(passes: tuple[Pass, ...], size: tuple[int, int]) -> dict | None:
-    """The pass of the debug views; None where the CoC map has no sign."""
+    """Return the pass of the debug views, or None if the CoC map has no sign."""
     if passes[0].entry != SIGNED_MAP:
         return None
     item = replace(DEBUG, viewport=passes[0].viewport, parameters=passes[0].parameters)
@@ -178,7 +183,12 @@ def _debug(passes: tuple[Pass, ...], size: tuple[int, int]) -> dict | None:
 
 
 def _step(number: int, item: Pass, changed: dict[str, float], size: tuple[int, int], textures: list[dict]) -> dict:
-    """A pass of frame()."""
+    """Return a pass as frame() lists it.
+
+    number   index of the pass
+    changed  parameters that differ from the frame's common ones
+    size     (width, height) of the full size
+    """
     return {
         "pass": number,
         "entry": item.entry,
@@ -209,14 +219,14 @@ def _step(number: int, item: Pass, changed: dict[str, float], size: tuple[int, i
 
 
 def programs(settings: methods.Settings) -> dict[str, dict]:
-    """Language -> files to put together in their order, the lines before them, and names of the entries."""
+    """Return language -> the files to concatenate in order, the lines before them, and the entries' names."""
     before = {"glsl": ["#version 330", "#define BOKEH_PASS {define}"], "hlsl": ["#define BOKEH_HLSL_SM 5"], "wgsl": []}
     needs = {"exact": [], "layered": ["bokeh_layers"]}.get(settings.method, ["bokeh_paper"])
     if settings.lateral or settings.cats_eye or settings.roundness < 1.0 or settings.focus:
         needs = [*needs, "bokeh_lens"]
     found = {}
     for language, lines in before.items():
-        # WGSL has no #ifdef: its passes need all files always
+        # WGSL has no #ifdef, so its passes always need every file
         needed = list(paths.STEMS) if language == "wgsl" else ["bokeh", *needs, "bokeh_passes"]
         found[language] = {
             "files": [f"{language}/{stem}.{language}" for stem in needed],
@@ -228,7 +238,10 @@ def programs(settings: methods.Settings) -> dict[str, dict]:
 
 
 def constants(item: Pass) -> dict[str, float]:
-    """What a program is compiled with beside the library's defaults and the preset; 0 is the default of the others."""
+    """Return the constants that a program is compiled with, apart from the library's defaults and those of the preset.
+
+    Constants with the value 0 have their default and are left out.
+    """
     known = {name: value for name, value in item.constants.items() if name not in methods.PRESET_CONSTANTS and value}
     counts = {name: known.pop(name, 0.0) for name in ("BOKEH_PAPER_SAMPLES", *methods.EXACT_CONSTANTS)}
     paper, samples, spacing = counts.values()
@@ -237,29 +250,32 @@ def constants(item: Pass) -> dict[str, float]:
     if paper:
         return known if paper == methods.PAPER_SAMPLES else {"BOKEH_PAPER_SAMPLES": paper, **known}
     if "BOKEH_SPACING" in item.defines:
-        # what the preset stands for
+        # the preset's define sets both counts
         return known
     return {"BOKEH_NUM_SAMPLES": samples, "BOKEH_SPACING": spacing, **known}
 
 
 def _parameters(passes: tuple[Pass, ...]) -> tuple[dict[str, float], list[dict[str, float]]]:
-    """All parameters as most passes have them, and what each pass has differently.
+    """Return all parameters as most passes have them, and what each pass has differently.
 
-    The passes that make the CoC map and metres read the camera only, so what they do not give is no difference.
+    The passes that make the CoC map and metres read only the camera's parameters, so the others are no difference
+    there.
     """
     filters = [item for item in passes if item.entry not in (LINEAR_DEPTH.entry, *COPYING_ENTRIES)]
     differ = {name for name in PARAMETERS if len({item.values()[name] for item in filters}) > 1}
     same = dict(PARAMETERS)
     for item in passes:
         same |= {name: value for name, value in item.parameters.items() if name not in differ}
-    # an entry that is drawn twice says each time what differs, the defaults too
+    # an entry that is drawn twice lists what differs each time, default values included
     told = {(item.entry, name) for item in passes for name in item.parameters}
     changes = [{n: v for n, v in item.values().items() if n in differ and (item.entry, n) in told} for item in passes]
     return same, changes
 
 
 def _textures(plan: methods.Plan, size: tuple[int, int]) -> list[dict]:
-    """What the passes read and write, in the order of their first use; `written` is null where it is handed in."""
+    """Return the textures that the passes read and write, by first use; `written` is None for those that the engine
+    supplies.
+    """
     textures: dict[str, dict] = {}
     for number, item in enumerate(plan.passes):
         for name in item.inputs.values():
@@ -271,7 +287,7 @@ def _textures(plan: methods.Plan, size: tuple[int, int]) -> list[dict]:
         for name in item.outputs:
             place = {"size": [wide, high], "format": kind, "bytes": texel * wide * high}
             textures[name] = {"name": name, "written": number, **place, "read": []}
-    # a target takes the memory of one of its size and format that nobody reads any more
+    # a target reuses the memory of one of the same size and format that is no longer read
     taken: list[dict] = []
     for name, texture in textures.items():
         texture["last_read"] = None if name == plan.result else texture["read"][-1]
@@ -284,7 +300,7 @@ def _textures(plan: methods.Plan, size: tuple[int, int]) -> list[dict]:
 
 
 def _is_free(other: dict, texture: dict) -> bool:
-    """Whether a texture may take the memory of another, which is not the result."""
+    """Return whether a texture may reuse the memory of another; never that of the result."""
     alike = (other["size"], other["format"]) == (texture["size"], texture["format"])
     return alike and other["last_read"] is not None and other["last_read"] < texture["written"]
 
@@ -298,7 +314,7 @@ def plan(
     ] = None,
     sets: options.Sets = None,
 ) -> None:
-    """Every pass of a method in order, as JSON: entry, inputs, targets, sizes, formats, filters, parameters."""
+    """Print every pass of a method in order, as JSON: entry, inputs, targets, sizes, formats, filters, parameters."""
     whole = terminal.parsed_size(size, LEAST_SIDE, MOST_SIDE)
     planned = frame(settings, whole, _viewport(viewport, whole) if viewport else None)
     for name, value in options.parsed_sets(sets).items():
@@ -309,11 +325,11 @@ def plan(
 
 
 def _viewport(text: str, size: tuple[int, int]) -> tuple[int, int, int, int]:
-    """(x, y, width, height) of '1280x720+64+32'. Raises UserError."""
+    """Parse '1280x720+64+32' into (x, y, width, height), pixels. Raises UserError if it does not fit into `size`."""
     numbers = re.fullmatch(r"(\d{1,5})x(\d{1,5})\+(\d{1,5})\+(\d{1,5})", text)
     wide, high, x, y = map(int, numbers.groups()) if numbers else (0, 0, 0, 0)
     fits = min(wide, high) >= LEAST_SIDE and x + wide <= size[0] and y + high <= size[1]
-    # the smallest targets have 1/8 of the size
+    # the smallest targets have 1/8 of the size, so they need multiples of 8
     if not fits or x % 8 or y % 8:
         raise UserError(
             f"--viewport {text}: no part of {size[0]} x {size[1]}. Give width x height + x + y in pixels, x and y "

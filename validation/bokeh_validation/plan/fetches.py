@@ -1,4 +1,4 @@
-"""How many texels the passes fetch."""
+"""Count the texels that the passes fetch."""
 
 from math import ceil, pi, sin
 
@@ -24,14 +24,14 @@ KINDS = ("color", "depth", "table")
 
 
 def of_pass(item: Pass) -> dict[str, int]:
-    """KINDS -> fetches for a texel of a pass's targets where it takes all of its samples."""
+    """Return KINDS -> fetches for one texel of a pass's targets if it takes all of its samples."""
     if item.spec.layers:
         return {"color": _of_layers(item), "depth": 0, "table": 0}
-    # the other parallelogram of a final pass, whose depth is not looked at
+    # one fetch of the other parallelogram in a final pass, without its depth
     others = int("DepthSamp" in item.inputs and "ColorSampB" in item.inputs)
     samples = item.samples if "KernelSamp" in item.inputs else lines(item) * item.samples
-    # red and blue; the 3 x 3 around the pixel, and two other textures; the four pixels next to this one, and depth only
-    # of the one that is a light
+    # lateral colour: red and blue; the steady map: the 3 x 3 neighbourhood and two other textures; the signed map: the
+    # four neighbours (depth only for one that is a light)
     others += (
         2 * (item.spec.role == LATERAL) + 11 * (item.spec.role == STEADY) + 4 * (item.entry == "BokehSignedCoCMap")
     )
@@ -44,33 +44,35 @@ def of_pass(item: Pass) -> dict[str, int]:
 
 
 def lines(item: Pass) -> int:
-    """Along how many lines a filter pass but one of the layers takes samples; a grid of n x n is n lines."""
+    """Return along how many lines a filter pass takes samples, except for passes of the layers; an n x n grid is n
+    lines.
+    """
     entry = item.spec
     if entry.role in (LINE, ADAPTIVE):
         return 1
     if entry.role == GRID:
         return item.samples
     if entry.role == EDGE:
-        # the parallelograms of the edges before this one
+        # those of the earlier edges' parallelograms too
         return item.constants["BOKEH_TARGET_INDEX"] + 1
     return entry.sides // 2 - 1 if entry.role in (FIRST, SECOND) else 0
 
 
 def of_frame(passes: tuple[Pass, ...]) -> dict[str, float]:
-    """KINDS -> the same for a pixel of the full size, all passes together."""
+    """Return KINDS -> fetches per full-size pixel for all passes together."""
     counts = [(of_pass(item), item.scale**2) for item in passes]
     return {kind: sum(count[kind] / texel for count, texel in counts) for kind in KINDS}
 
 
 def tiles_along(item: Pass) -> int:
-    """How many tiles along one axis the passes over tiles of the layers look at; float32 as on the device."""
+    """Return how many tiles along one axis the layers' tile passes read; computed in float32 like on the device."""
     values = item.values()
     largest = np.float32(values["BokehMaxCoC"]) * np.float32(values["BokehImageHeight"])
     return min(2 * (int(np.ceil(largest / np.float32(16.0))) + 2) + 1, 255)
 
 
 def _of_layers(item: Pass) -> int:
-    """As the loops of bokeh_layers.* count."""
+    """Return the colour fetches of a pass of the layers, by the loops of bokeh_layers.*."""
     values = item.values()
     sides = round(values["BokehSides"])
     rings, cells, cubic = (item.defines[f"BOKEH_LAYER_{name}"] for name in ("RINGS", "SAMPLES", "CUBIC"))
@@ -81,11 +83,11 @@ def _of_layers(item: Pass) -> int:
 
     if item.spec.role in (FIRST, SECOND, EDGE):
         edges = item.constants["BOKEH_TARGET_INDEX"] + 1 if item.spec.role == EDGE else sides // 2 - 1
-        # a square's lines are twice as dense
+        # a square's lines have twice the sample density
         along_edge = ceil(cells * (1.4142136 / 0.708 if sides == 4 else 2.0 * sin(pi / sides)))
         both = 2 if item.spec.sides in BOTH else 1
         return 1 + both * edges * along_edge
-    # HoleFill has four rings as the gather's first, and a wide gather one more of them
+    # HoleFill takes four rings of the size of the gather's first one; a wide gather adds one ring
     most = Most(along, 1 + 4 * ring_samples(1), 5 if cubic else 1, ring_samples(rings) + ring_samples(1))
     counts = ENTRIES[item.spec.whole or item.entry].fetches(most)
     return counts[1 + item.constants["BOKEH_TARGET_INDEX"] if item.spec.whole else 0]

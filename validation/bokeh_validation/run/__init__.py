@@ -1,1 +1,1 @@
-"""The brief and the full run, and their report."""
+"""Run the brief and the full validation, and write their report."""

@@ -16,7 +16,7 @@ from bokeh_validation.shaders.variants import load
 
 
 def probes(driver: terminal.SeveralDrivers = None, adapter: terminal.Adapter = None) -> None:
-    """The probes on the drivers, each against the reference and against what it must show."""
+    """Draw the probes on the drivers, and check each against the reference and against what it must show."""
     names = tuple(driver or REAL)
     for name in names:
         terminal.check_driver(name)
@@ -31,7 +31,7 @@ def probes(driver: terminal.SeveralDrivers = None, adapter: terminal.Adapter = N
 
 
 def compile_all(json_file: terminal.JsonFile = None) -> None:
-    """Every shader program through every compiler."""
+    """Compile every shader program with every compiler."""
     terminal.check_writable(json_file)
     tests = [session.variant(name) for name in dict.fromkeys(program.variant for program in load())]
     with terminal.progress("compile", len(tests)) as step:
@@ -65,6 +65,6 @@ def engines(
 
 
 def _told(errors: dict[str, str]) -> bool:
-    """Print the tests that failed without a result that says so; whether there is none."""
+    """Print the tests that failed without a result that says so; returns whether there were none."""
     terminal.tell(*(f"{name}: {error}" for name, error in errors.items()))
     return not errors

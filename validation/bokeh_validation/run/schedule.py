@@ -1,6 +1,6 @@
-"""pytest: the longest first, by how long each test took here the last time, so that all processes end together.
+"""Schedule tests for pytest: the longest first, by recorded durations, so that all processes finish together.
 
-A process is given a unit at a time: consecutive tests of a file, which share what takes long to make.
+A process receives a unit at a time: consecutive tests of a file, which share fixtures that take long to set up.
 """
 
 from collections.abc import Iterable, Mapping
@@ -8,22 +8,22 @@ from collections.abc import Iterable, Mapping
 import pytest
 from xdist.scheduler import LoadScopeScheduling
 
-# Node id of a test -> [seconds of its set-up, seconds in all]
+# Node id of a test -> [seconds of its set-up, total seconds]
 Durations = Mapping[str, list[float]]
 
 KEY = "bokeh/durations"
-# In brief a test takes less: validation/run
+# Durations of a brief validation/run, where a test takes less time
 BRIEF_KEY = "bokeh/durations of a brief run"
-# A unit is ended once it takes so many seconds
+# A unit is closed once its tests take this many seconds
 UNIT = 20.0
-# A fixture that takes longer to set up is shared by the tests that follow: they are not parted from it
+# Fixtures that take longer than this (seconds) are shared: the tests that follow stay in the same unit
 SHARED = 1.0
-# What is assumed of a test that was never run here
+# Assumed for a test without a recorded duration
 UNKNOWN = [0.0, 1.0]
 
 
 def units(collection: Iterable[str], durations: Durations) -> dict[str, str]:
-    """Node id -> its unit, named by the unit's first test."""
+    """Group tests into units; returns node id -> name of its unit, which is its first test."""
     found, files = {}, {}
     for nodeid in collection:
         files.setdefault(nodeid.partition("::")[0], []).append(nodeid)
@@ -40,7 +40,7 @@ def units(collection: Iterable[str], durations: Durations) -> dict[str, str]:
 
 
 class LongestFirst(LoadScopeScheduling):
-    """Units in the order of their durations."""
+    """Hand out units in descending order of their durations."""
 
     def __init__(self, config, log, durations: Durations):
         super().__init__(config, log)
@@ -48,7 +48,7 @@ class LongestFirst(LoadScopeScheduling):
         config.option.loadscopereorder = False
 
     def schedule(self) -> None:
-        """Find the units once all processes have collected the tests, and distribute them."""
+        """Form the units once all processes have collected the tests, then distribute them."""
         if self.collection is None:
             self.units = units(next(iter(self.registered_collections.values())), self.durations)
             for nodeid, unit in self.units.items():
@@ -67,7 +67,7 @@ class LongestFirst(LoadScopeScheduling):
 
 @pytest.hookimpl(optionalhook=True)
 def pytest_xdist_make_scheduler(config, log):
-    """Distribute by recorded durations, whatever --dist says."""
+    """Distribute by recorded durations, regardless of --dist."""
     return LongestFirst(config, log, config.cache.get(_key(config), {}))
 
 
@@ -76,14 +76,14 @@ def _key(config: pytest.Config) -> str:
 
 
 class Recorder:
-    """Keeps how long the tests of a session took."""
+    """Record how long the tests of a session take."""
 
     def __init__(self):
         self.found: dict[str, list[float]] = {}
         self.skipped: set[str] = set()
 
     def pytest_runtest_logreport(self, report):
-        """Add a phase of a test."""
+        """Add the duration of one phase of a test."""
         set_up, seconds = self.found.get(report.nodeid, (0.0, 0.0))
         own = report.duration if report.when == "setup" else 0.0
         self.found[report.nodeid] = [round(set_up + own, 3), round(seconds + report.duration, 3)]
@@ -91,7 +91,7 @@ class Recorder:
             self.skipped.add(report.nodeid)
 
     def pytest_sessionfinish(self, session):
-        """Replace what is known of the tests that ran; one that was skipped keeps what it took when it ran."""
+        """Update the durations of tests that ran; a skipped test keeps its previous one."""
         ran = {nodeid: seconds for nodeid, seconds in self.found.items() if nodeid not in self.skipped}
         if ran:
             key, cache = _key(session.config), session.config.cache
@@ -100,6 +100,6 @@ class Recorder:
 
 @pytest.hookimpl(trylast=True)
 def pytest_configure(config):
-    """Record in the process that all reports arrive in."""
+    """Record durations in the main process, where all reports arrive."""
     if not hasattr(config, "workerinput"):
         config.pluginmanager.register(Recorder(), "durations")

@@ -1,7 +1,7 @@
-"""pytest for the commands that draw and compile everything: tests hand what they measured to a command.
+"""Run tests with pytest for commands that draw and compile everything, and hand the results back to the command.
 
-A test with the fixture `hand_over` gives the command an object. run() calls pytest with such tests, in several
-processes, each with drivers, a browser and a Wine of its own, and returns the objects.
+A test with the fixture `hand_over` gives the command an object. run() runs such tests in several processes, each with
+its own drivers, browser and Wine, and returns the objects.
 """
 
 import io
@@ -17,7 +17,7 @@ import pytest
 from bokeh_validation import paths, terminal
 from bokeh_validation.errors import UserError
 
-# The name in a test report's properties
+# Key of the object in a test report's properties
 HANDED_OVER = "handed over"
 BRIEF, FULL = "brief", "full"
 CORES = os.cpu_count() or 1
@@ -25,20 +25,20 @@ PROCESSES = min(CORES, 4)
 
 
 class Handed(Protocol):
-    """What a test hands over."""
+    """Describe what a test hands over."""
 
     @property
     def ok(self) -> bool:
-        """Whether it is as it should be; what is missing does not count."""
+        """Return whether the result is right; what is missing does not make it wrong."""
 
 
 @dataclass
 class Collector:
-    """Keeps what the tests of a session handed over, in the process that their reports arrive in.
+    """Collect what the tests of a session hand over, in the main process, where their reports arrive.
 
     step    called after each test with its name
-    found   node id -> what it handed over
-    errors  node id -> the last line of what failed
+    found   node id -> what the test handed over
+    errors  node id -> the last line of its failure
     """
 
     step: Callable[[str], None]
@@ -46,7 +46,7 @@ class Collector:
     errors: dict[str, str] = field(default_factory=dict)
 
     def pytest_runtest_logreport(self, report):
-        """Add a phase of a test."""
+        """Collect from the report of one phase of a test."""
         for key, data in report.user_properties:
             if key == HANDED_OVER:
                 self.found[report.nodeid] = pickle.loads(data)
@@ -58,19 +58,19 @@ class Collector:
 
 
 def pytest_addoption(parser):
-    """Describe the options that run() sets."""
+    """Register the options that run() sets."""
     parser.addoption("--report", choices=(BRIEF, FULL), help="set by validation/run: the named tests, all of them")
     parser.addoption("--adapter", help="set by validation/run --adapter: a part of a device's name")
 
 
 def pytest_configure(config):
-    """Describe the mark."""
+    """Register the mark."""
     config.addinivalue_line("markers", "report: run for validation/run only, on a driver that the suite leaves out")
 
 
 @pytest.fixture
 def hand_over(request) -> Callable[[Handed], None]:
-    """Hand an object to the command that started the tests; it arrives whether the test passes or fails."""
+    """Return a function that hands an object to the command; the object arrives whether the test passes or fails."""
     return lambda thing: request.node.user_properties.append((HANDED_OVER, pickle.dumps(thing)))
 
 
@@ -89,12 +89,12 @@ def sample(name: str) -> str:
     return f"tests/engines/test_engines.py::test_sample[{name}]"
 
 
-# Hands over an Outcome: market_7 by every method
+# Node id of the test that draws market_7 by every method; hands over an Outcome
 MARKET = "tests/shaders/test_truth.py::test_market"
 
 
 def name_of(nodeid: str) -> str:
-    """What stands in the brackets of a node id, or else its function."""
+    """Return the parameters in a node id's brackets, or the function's name if there are none."""
     function, _, parameters = nodeid.rpartition("::")[2].partition("[")
     return parameters.removesuffix("]") or function
 
@@ -102,19 +102,20 @@ def name_of(nodeid: str) -> str:
 def run(
     tests: Sequence[str], step: Callable[[str], None], depth: str = FULL, adapter: str | None = None
 ) -> tuple[dict[str, Handed], dict[str, str]]:
-    """Run tests of the suite, those that took longest first.
+    """Run tests of the suite, longest first.
 
-    tests  node ids
-    step   called after each test with its name
-    depth  BRIEF: as little as a test can show something with
+    tests    node ids
+    step     called after each test with its name
+    depth    BRIEF or FULL; in a brief run a test does the least that can show something
+    adapter  part of a device's name
     Returns node id -> what the test handed over, in the order of `tests`, and node id -> why it failed.
-    Raises KeyboardInterrupt where the tests were stopped, UserError where they could not be run
+    Raises KeyboardInterrupt if the tests were stopped, UserError if they could not be run.
     """
     collector, said = Collector(step), io.StringIO()
     options = ["-c", str(paths.VALIDATION / "pytest.ini"), "--rootdir", str(paths.VALIDATION)]
     options += ["-o", f"cache_dir={paths.cache_folder() / 'pytest'}", "--report", depth, "-n", str(PROCESSES)]
     options += ["--adapter", adapter] if adapter else []
-    # a worker that is stopped inside of Mesa may crash on its way out, which nobody wants to read
+    # a worker stopped inside Mesa may crash on its way out; its stack trace helps nobody
     options += ["-p", "no:faulthandler"]
     with redirect_stdout(said):
         code = pytest.main([*options, *(str(paths.VALIDATION / test) for test in tests)], plugins=[collector])
@@ -126,11 +127,11 @@ def run(
 
 
 def check_adapter(names: Sequence[str], adapter: str | None) -> None:
-    """Refuse a device's name that no driver of `names` has one like, before anything is run. Raises UserError."""
+    """Check before anything is run that one of the drivers has a device of this name. Raises UserError."""
     if adapter is not None:
         terminal.pick_drivers(names, adapter)
 
 
 def unexplained(found: Mapping[str, Handed], errors: Mapping[str, str]) -> dict[str, str]:
-    """Name of a test -> why it failed, where what it handed over does not say that it failed."""
+    """Return name of a test -> its failure, for tests whose handed-over result does not itself report a failure."""
     return {name_of(test): error for test, error in errors.items() if test not in found or found[test].ok}

@@ -1,7 +1,7 @@
-"""pytest: skips a test whose inputs are what they were when it last passed here. --all runs it.
+"""Skip a test whose inputs have not changed since it last passed here (pytest); --all runs it.
 
-`@pytest.mark.inputs(path, ...)` names all that the test's outcome depends on: files and folders, relative to the
-repository's root. Several marks add up.
+`@pytest.mark.inputs(path, ...)` names everything that the test's outcome depends on: files and folders, relative to
+the repository's root. Several marks add up.
 """
 
 from functools import cache
@@ -10,13 +10,13 @@ import pytest
 
 from bokeh_validation import locks, paths
 
-# Neither sources nor fetched: what running leaves behind
+# Suffixes of files that running leaves behind, which are not inputs
 LEFT_BEHIND = (".pyc",)
 
 
 @cache
 def digest_of(name: str) -> str:
-    """A digest of a file, or of all files of a folder, by their paths and contents."""
+    """Return a digest of a file, or of all files of a folder by their paths and contents."""
     place = paths.ROOT / name
     if not place.exists():
         raise ValueError(f"pytest.mark.inputs: there is no {name}")
@@ -26,7 +26,7 @@ def digest_of(name: str) -> str:
 
 
 def _state(item: pytest.Item) -> str | None:
-    """A digest of a test's inputs; None where it names none."""
+    """Return a digest of a test's inputs, or None if it declares none."""
     names = sorted({name for mark in item.iter_markers("inputs") for name in mark.args})
     return locks.digest(map(digest_of, names)) if names else None
 
@@ -36,17 +36,19 @@ def _key(item: pytest.Item) -> str:
 
 
 def _of_report(config: pytest.Config) -> bool:
-    """Whether validation/run asks: it wants the results themselves, and in brief a test shows less than it can."""
+    """Return whether validation/run started the tests: then none is skipped, since the command needs their results,
+    and none is recorded, since a brief run shows less.
+    """
     return bool(config.getoption("--report", None))
 
 
 def pytest_configure(config):
-    """Describe the mark."""
+    """Register the mark."""
     config.addinivalue_line("markers", "inputs(*paths): skipped while these are what they were when it passed")
 
 
 def pytest_collection_modifyitems(config, items):
-    """Skip what has not changed, unless everything is asked for."""
+    """Skip unchanged tests, unless everything is asked for."""
     for item in [] if config.getoption("--all") or _of_report(config) else items:
         state = _state(item)
         if state is not None and config.cache.get(_key(item), "") == state:
@@ -55,7 +57,7 @@ def pytest_collection_modifyitems(config, items):
 
 @pytest.hookimpl(wrapper=True)
 def pytest_runtest_makereport(item, call):
-    """Remember what a test was made of when it passed."""
+    """Record the digest of a test's inputs when it passes."""
     report = yield
     if call.when == "call" and report.passed and not _of_report(item.config) and (state := _state(item)) is not None:
         item.config.cache.set(_key(item), state)

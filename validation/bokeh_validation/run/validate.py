@@ -1,4 +1,4 @@
-"""`validation/run` without a command: the brief and the full run, in several processes, and their report."""
+"""Run the brief or full validation in several processes and write the report: `validation/run` without a command."""
 
 import os
 import time
@@ -22,9 +22,9 @@ from bokeh_validation.run.session import BRIEF, CORES, FULL
 from bokeh_validation.shaders.variants import load
 from bokeh_validation.truth import ray_traced
 
-# One driver for each language: GLSL, WGSL, HLSL
+# One driver per language: GLSL, WGSL, HLSL
 BRIEF_DRIVERS = ("osmesa", "wgpu", "dxc")
-# Compiled by their main compilers
+# Variants that the brief run compiles, each with its language's main compiler
 BRIEF_VARIANTS = ("glsl-330", "hlsl-sm3", "hlsl-sm5", "hlsl-sm6", "wgsl")
 MINUTES = {False: "a minute", True: "12 minutes"}
 
@@ -32,7 +32,7 @@ MINUTES = {False: "a minute", True: "12 minutes"}
 def market(driver: Driver) -> tuple[Outcome, dict[str, float]]:
     """Draw market_7 by every method.
 
-    Returns the pictures beside the truth, and method -> PSNR of tone-mapped colour against the truth, dB
+    Returns the images with the ray-traced truth, and method -> PSNR of tone-mapped colour against the truth, dB.
     """
     lens = ray_traced.truth(ray_traced.MARKET, "hexagon")
     images = {"input": ray_traced.picture(ray_traced.MARKET).color}
@@ -53,11 +53,11 @@ def _exposed(image: np.ndarray) -> str:
 
 @dataclass(frozen=True)
 class Everything:
-    """All results of a run.
+    """Hold all results of a run.
 
-    market    market_7 by every method; None where its driver is missing
+    market    market_7 by every method; None if its driver is missing
     errors    test that failed without a result that says so -> why
-    left_out  what the brief run leaves to the full one: name -> how to get it
+    left_out  what only the full run includes: name -> how to run it
     """
 
     full: bool
@@ -70,30 +70,30 @@ class Everything:
 
     @property
     def absent(self) -> dict[str, str]:
-        """Driver, compiler or sample that was asked for and is not here -> the reason."""
+        """Return what was asked for but is not on this machine: driver, compiler or sample -> reason."""
         missing = {k: v for outcome in (*self.probes, *self.engines) for k, v in outcome.missing.items()}
         return {**missing, **self.compilation.missing}
 
     @property
     def not_run(self) -> dict[str, str]:
-        """All that was not run, for whichever reason -> how to get it."""
+        """Return everything that was not run -> how to get it."""
         return {**self.absent, **self.left_out}
 
     @property
     def failed(self) -> list[str]:
-        """Names of what failed; under CI, what is absent failed too."""
+        """Return the names of what failed; under CI, missing things are failures too."""
         names = [outcome.name for outcome in (*self.probes, *self.engines) if not outcome.ok]
         names += [*["compilation"] * (not self.compilation.passed), *self.errors]
         return names + [name for name in self.absent if os.environ.get("CI")]
 
     @property
     def ok(self) -> bool:
-        """Nothing failed."""
+        """Return whether nothing failed."""
         return not self.failed
 
     @property
     def verdict(self) -> str:
-        """One line: whether the shaders are right, and what says so."""
+        """Return one line that says whether the shaders are right and what was run to show it."""
         counts, drivers = self.compilation.counts, outcomes.drivers_of(self.probes)
         seen = f"{len(self.probes)} probes on {', '.join(drivers) or 'no driver'}"
         seen += f", {counts[OK]} compilations"
@@ -102,7 +102,7 @@ class Everything:
 
 
 def write_report(path: Path, found: Everything) -> None:
-    """Write one page that needs no other file: the verdict, the picture beside the truth, the tables, the pictures."""
+    """Write the report as a self-contained page: the verdict, market_7 next to the truth, the tables, the images."""
     loader = jinja2.PackageLoader("bokeh_validation.run", ".")
     environment = jinja2.Environment(loader=loader, autoescape=True, trim_blocks=True, lstrip_blocks=True)
     environment.filters["plain"] = lambda line: Text.from_markup(line).plain
@@ -117,7 +117,12 @@ def write_report(path: Path, found: Everything) -> None:
 
 
 def validate(full: bool, adapter: str | None, output: Path | None) -> None:
-    """Put the shaders through compilers, on drivers and beside the truth, and write the report."""
+    """Compile and draw the shaders, compare market_7 with the truth, and write the report.
+
+    full     whether to use every driver, compiler, probe and sample
+    adapter  part of a device's name
+    output   the report's file; None: in the cache folder
+    """
     terminal.check_writable(output)
     started = time.monotonic()
     path = output or paths.ensured(paths.cache_folder() / "report") / "index.html"
@@ -146,7 +151,7 @@ def _next(results: Everything) -> str:
 
 
 def everything(full: bool, adapter: str | None) -> Everything:
-    """Run the tests of the suite that the report is made of."""
+    """Run the tests that the report is made of; arguments as in validate()."""
     names = REAL if full else BRIEF_DRIVERS
     session.check_adapter(names, adapter)
     chosen = [probe for probe in probes.PROBES if full or probe.brief]
@@ -169,7 +174,7 @@ def everything(full: bool, adapter: str | None) -> Everything:
 
 
 def _left_out(count: int) -> dict[str, str]:
-    """Return what only the full run has, and the command for it."""
+    """Return what only the full run includes -> the command for it; `count` is the number of probes among it."""
     command = f"validation/run --full, {MINUTES[True]}"
     others = ", ".join(name for name in REAL if name not in BRIEF_DRIVERS)
     names = (f"drivers {others}", f"{count} probes of other polygons and of options")
