@@ -42,8 +42,9 @@
 // [11] layers
 //
 //   name                    default    range   meaning
-//   BOKEH_LAYER_RINGS       2          1 .. 6  rings of the small gather at full size; one more
-//                                              where no layer is, or with CUBIC 0 small ones
+//   BOKEH_LAYER_RINGS       2          1 .. 6  rings of the small gather at full size; it takes one
+//                                              more where no layer is in reach (with CUBIC 0, where
+//                                              layers are small), and where it reaches far
 //   BOKEH_LAYER_SAMPLES     11         2 ..    most samples on an edge of a layer's hexagon; twice
 //                                              as many on a square's, fewer on shorter edges
 //   BOKEH_LAYER_CUBIC       1          0, 1    1: layers are enlarged by five fetches, not by one
@@ -423,7 +424,7 @@ BokehPrefiltered BokehPrefilter(BOKEH_TEXTURE MapSamp, BOKEH_TEXTURE DilatedTile
             for (int x = 0; x < 4; x++)
             {
                 vec2 offset = vec2(float(x) - 1.5, float(y) - 1.5);
-                // the eight that share an edge with those four
+                // only the eight pixels that share an edge with those four
                 if (abs(abs(offset.x) + abs(offset.y) - 2.0) < 0.5)
                 {
                     vec4 pixel = BokehFetchGrid(MapSamp, middle + offset, full);
@@ -749,7 +750,15 @@ struct BokehFilled
     vec4 farFill;
 };
 
-// Layers: holes filled with what is around; the nearest counts most
+// Layers: fills the holes that near objects leave in the background, from what is around them
+//   Reads midWithHoles, farWithHoles and dilatedTiles, and writes both without holes. Around each
+//   texel lie four rings, and the nearest background has by far the highest weight:
+//
+//      o    o    o      ring diameters are 1/8, 1/4, 1/2 and 1 of the largest near CoC in reach;
+//        o o o          a texel at a ring's diameter d has the weight 1 / (1 + 4 d^3),
+//      o o x o o        times its own weight, which is 0 in a hole
+//        o o o
+//      o    o    o
 //   MidSamp, FarSamp  midWithHoles and farWithHoles of BokehDownsample
 BokehFilled BokehHoleFill(BOKEH_TEXTURE MidSamp, BOKEH_TEXTURE FarSamp,
     BOKEH_TEXTURE DilatedTilesSamp, BokehPolygon polygon, BokehLayerContext layers)
@@ -772,7 +781,7 @@ BokehFilled BokehHoleFill(BOKEH_TEXTURE MidSamp, BOKEH_TEXTURE FarSamp,
         {
             break;
         }
-        // diameter in texels; the rings reach an eighth, a quarter, a half and all of the CoC
+        // diameter in texels: an eighth, a quarter, half and all of the CoC
         float diameter = max(nearCoC / 8.0, 2.0) * exp2(float(ring) - 2.0);
         float weight = 1.0 / (1.0 + 4.0 * diameter * diameter * diameter);
         vec2 scale = vec2(polygon.squeeze * diameter, diameter);
@@ -1089,14 +1098,14 @@ struct BokehGather
 BokehGather BokehGatherRing(BokehGather before, BOKEH_TEXTURE MapSamp, int ring, int onEdge,
     float outer, BokehPolygon polygon, BokehLayerContext layers)
 {
-    //   |-----|--.--|--.--|     a sample counts by as much of its ring as its own disc
-    //  middle   1     2         covers, over that disc
+    //   |-----|--.--|--.--|     weight of a sample: the part of its ring that its own disc covers,
+    //   disc    1     2         divided by the area of that disc
     BokehGather gather = before;
     BokehGrid full = BokehFullGrid(layers);
     vec2 zero = vec2(0.0, 0.0);
     vec2 one = vec2(1.0, 1.0);
-    // in the middle with two rings; with more the first, which is turned, counts for less (HIGH
-    // with 0.5: street_11 .0420 for .0416)
+    // where in their ring samples lie: half-way with two rings; with more, farther in, or the
+    // rotated first ring would get too much weight
     float outwards = 0.58 - 0.04 * float(BOKEH_LAYER_RINGS);
     float current = gather.inner + (outer - gather.inner) * outwards;
     float innerSquare = gather.inner * gather.inner;
@@ -1104,21 +1113,22 @@ BokehGather BokehGatherRing(BokehGather before, BOKEH_TEXTURE MapSamp, int ring,
     float phase = layers.jitter * clamp(current / float(ring) - 1.0, 0.0, 1.0);
     if (ring != 2 && onEdge == BokehSamplesPerEdge(1, polygon))
     {
-        // a ring of few samples: between the corners, where the ring beside it has gaps
+        // rotate a ring of few samples by half a step: its samples then fill the gaps of the ring
+        // beside it
         phase += 0.5;
     }
-    // the upright polygon's x and y, in pixels: what is done with those is known to compilers
+    // axes of the upright polygon, in pixels: compilers can fold the arithmetic on its corners
     vec2 right = vec2(polygon.axis.x * polygon.squeeze, polygon.axis.y) * current;
     vec2 upwards = vec2(-polygon.axis.y * polygon.squeeze, polygon.axis.x) * current;
     vec2 corner = polygon.corner * 2.0;
     vec2 turn = BokehTurn(1.0, polygon);
     vec2 direction = vec2(-turn.y, turn.x) * 2.0;
-    // half of the edges: the others are opposite to them, sample by sample
+    // half of the edges: samples of the other half are opposite to these
     for (int edge = 1; edge <= polygon.sides / 2; edge++)
     {
         vec2 alongEdge = direction * BokehEdgeLength(edge, polygon);
         vec2 along = alongEdge / float(onEdge);
-        // of its edges each gets what lies in the triangle from the middle to it
+        // each edge stands for the triangle from the centre to it
         float cell = (corner.x * along.y - corner.y * along.x) / (8.0 * polygon.area);
         for (int i = 0; i < onEdge; i++)
         {
@@ -1128,7 +1138,7 @@ BokehGather BokehGatherRing(BokehGather before, BOKEH_TEXTURE MapSamp, int ring,
             // steeper between two texels than the linear filter is
             vec2 offset = texel + clamp((place - texel) * (gather.snapping + 1.0) - 0.5 *
                 gather.snapping, zero, one);
-            // both at once: this one and the one opposite to it
+            // this sample and the one opposite to it, both at once
             vec4 pixel = BokehFetchAround(MapSamp, layers.uv, offset, full);
             vec4 other = BokehFetchAround(MapSamp, layers.uv, -offset, full);
             vec2 CoC = vec2(pixel.a, other.a) * full.size.y;
@@ -1172,7 +1182,7 @@ vec4 BokehComposite(BOKEH_TEXTURE MapSamp, BOKEH_TEXTURE GatherTilesSamp, BOKEH_
     vec4 centerPixel = BokehFetchTexel(MapSamp, BokehToTexture(layers.uv));
     vec4 tile = BokehFetchGrid(GatherTilesSamp, center / 8.0, BokehReducedGrid(layers, 8.0));
     vec3 result = centerPixel.rgb;
-    // up to a CoC of one pixel nothing spreads
+    // nothing within reach is blurred by more than a pixel: copy the input
     if (max(tile.r, tile.g) > 1.0)
     {
         BokehGather gather;
@@ -1183,20 +1193,20 @@ vec4 BokehComposite(BOKEH_TEXTURE MapSamp, BOKEH_TEXTURE GatherTilesSamp, BOKEH_
         float farWeight = BokehLayerWeight(s, gather.slopes.y);
         gather.nearWeight = nearWeight;
         gather.inverse = BokehSpreadInverse(vec2(s, s)).x;
-        // the gather reaches as far as what is in no layer
+        // the gather reaches as far as the CoC of pixels in neither layer
         float restRadius = clamp(16.0 - 16.0 * farWeight, 0.0, 1.0) * (1.0 - nearWeight) /
             sqrt(gather.inverse);
         float radius = max(max(restRadius, 0.01), 0.5 * max(tile.b, tile.a * farWeight));
         float narrowing = clamp(radius / max(restRadius, 1.0) - 1.0, 0.0, 1.0);
-        // where no layer is, its fetches are free for one more ring (moderate blur: .112 for .114);
-        // without CUBIC also where layers are small (LOW, canopy_12: .151 for .157)
+        // no layer here: spend its fetches on one more ring; without CUBIC, do so also where layers
+        // are small
         float rings = float(BOKEH_LAYER_RINGS);
         if (max(tile.g, tile.r + 4.0) <= 14.0 - 4.0 * float(BOKEH_LAYER_CUBIC))
         {
             rings += 1.0;
         }
-        // a gather that reaches far has one ring more, of few samples: with wide gaps between the
-        // rings a thin bright line shows as a row of copies
+        // a gather that reaches far has one more ring, of few samples: with wider gaps between
+        // the rings, a thin bright line would show as a row of copies
         float wideRings = min(radius / 3.0, float(BOKEH_LAYER_RINGS) + 1.0);
         float denseRings = rings;
         rings = max(rings, wideRings);
@@ -1208,21 +1218,21 @@ vec4 BokehComposite(BOKEH_TEXTURE MapSamp, BOKEH_TEXTURE GatherTilesSamp, BOKEH_
         {
             gather.inner = radius;
         }
-        // what spreads less than the inner radius of the first ring reaches no other pixel
+        // a disc smaller than the inner one reaches no other pixel
         gather.bounds = 1.0 / vec2(radius * radius, gather.inner * gather.inner);
         float weight = (1.0 - nearWeight) * min(gather.inverse / gather.bounds.y, 1.0);
-        // of what is in the far layer, that layer takes the place: one of its pixels alone would
-        // shine
+        // pixels of the far layer are replaced by that layer: a single one of them would be a
+        // bright dot
         gather.farFound = weight * farWeight;
         gather.sum = vec4(centerPixel.rgb, 1.0) * (weight - gather.farFound);
         gather.front = vec4(0.0, 0.0, 0.0, 0.0);
-        // where near layers are, places move to the nearest texel: between a near light and what is
-        // behind it, the linear filter would find a light in focus
+        // beside near layers, samples move to the nearest texel: between a near light and the
+        // surface behind it, the linear filter would find a light in focus
         float edges = max(tile.r, tile.g - 16.0);
         gather.snapping = 3.75 * clamp(edges / 5.0, 0.0, 1.0) + 100.0 * clamp((edges - 10.0) / 16.0,
             0.0, 1.0);
-        // The rings of few samples: the first, and the last one of a wide gather. They have a loop
-        // of their own because compilers write out loops over a known number of samples.
+        // The rings of few samples: the first, and the last one of a wide gather. They have their
+        // own loop because compilers unroll loops over a known number of samples.
         float lastInner = radius;
         if (wideRings > denseRings)
         {
@@ -1272,13 +1282,13 @@ vec4 BokehComposite(BOKEH_TEXTURE MapSamp, BOKEH_TEXTURE GatherTilesSamp, BOKEH_
         {
             farLayer = BokehFetchLayer(FarSamp, 0.5 * center, halves);
         }
-        // at a pixel of a layer, that layer itself is added below
+        // at pixels of a layer, the layer itself is added below
         vec4 sum = gather.sum + farLayer * (gather.farFound * (1.0 - max(farWeight, nearWeight)) /
             max(farLayer.a, 0.001));
         vec4 plain = sum + farLayer * farWeight;
         if (plain.a >= 0.001)
         {
-            // what is in front covers the rest by as much as it has weight
+            // the weight of what is in front is its coverage; the rest shows through what is left
             float rest = plain.a - gather.front.a;
             float open = max(1.0 - gather.front.a, 0.0) / max(rest, 0.1);
             result = (gather.front.rgb + (plain.rgb - gather.front.rgb) * open) / max(gather.front.a
@@ -1286,8 +1296,7 @@ vec4 BokehComposite(BOKEH_TEXTURE MapSamp, BOKEH_TEXTURE GatherTilesSamp, BOKEH_
         }
         if (nearWeight > 0.0)
         {
-            // in depth order: the gather, then what fills its holes, then the far layer, and what
-            // fills that
+            // in depth order: the gather, the fill of its holes, the far layer, the fill of that
             BokehGrid quarters = BokehReducedGrid(layers, 4.0);
             vec4 midFill = BokehFetchGrid(MidFillSamp, 0.25 * center, quarters);
             vec4 farFill = BokehFetchGrid(FarFillSamp, 0.25 * center, quarters);
@@ -1301,8 +1310,8 @@ vec4 BokehComposite(BOKEH_TEXTURE MapSamp, BOKEH_TEXTURE GatherTilesSamp, BOKEH_
                 max(sum.a + empty, 0.000001);
             result += (stack - result) * nearWeight;
         }
-        // half floats leave a covered pixel at .999: without 1.002 a light behind would shine
-        // through; 1.02 makes edges hard (street_11: FLIP .042 for .041)
+        // half floats leave a covered pixel at 0.999: a lower factor lets a light behind it shine
+        // through, a higher one makes edges hard
         float alpha = clamp(nearLayer.a * 1.002, 0.0, 1.0);
         result = result * (1.0 - alpha) + nearLayer.rgb * (alpha / max(nearLayer.a, 0.000001));
     }

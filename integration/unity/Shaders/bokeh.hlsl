@@ -417,16 +417,17 @@ float4 BokehPackCoC(float4 color, float CoC)
         BOKEH_MAX_COLOR), BokehSanitize(color.b, 0.0, BOKEH_MAX_COLOR), CoC);
 }
 
-// Listing 1: sum of the channels of a colour, made safe as in the map
+// Listing 1: returns the sum of the channels of a colour, invalid ones replaced as in the map
 float BokehBrightness(float4 color)
 {
     float4 safe = BokehPackCoC(color, 0.0);
     return safe.r + safe.g + safe.b;
 }
 
-// Listing 1: of two pixels next to this one the brighter
-//   brightest     xy = direction of the brightest so far, pixels; z = its brightness
-//   color         of one more; direction: of that, pixels
+// Listing 1: returns the brighter of two neighbours of this pixel
+//   brightest     xy = direction of the brightest neighbour so far, pixels; z = its brightness
+//   color         of the next neighbour
+//   direction     of the next neighbour, pixels
 float3 BokehBrighter(float3 brightest, float4 color, float2 direction)
 {
     float3 result = brightest;
@@ -438,20 +439,22 @@ float3 BokehBrighter(float3 brightest, float4 color, float2 direction)
     return result;
 }
 
-// Listing 1: finds the light beside a pixel among the four pixels next to it
-//   Two kinds of pixel take the CoC of a light beside them (BokehLightCoC). One is much darker than
-//   the light: the later passes filter the map, and between a light and its surroundings they get a
-//   mixture that is almost all light, and needs the light's CoC. The other is the rim of the light:
-//   antialiasing has put light into its colour, while its depth may be that of the background.
+// Listing 1: finds the light beside a pixel, among its four neighbours
+//   Two kinds of pixel take the CoC of a light beside them, see BokehLightCoC. One kind is much
+//   darker than the light: later passes filter the map, and between a light and its surroundings
+//   they get a mixture that is almost all light, so it needs the light's CoC. The other kind is the
+//   rim of the light: antialiasing has put light into its colour, while its depth may be the
+//   background's.
 //
-//      . . # O      a rim # is darker than the light O and brighter than the background .
+//      . . # O      The rim # is darker than the light O and brighter than the background.
 //      . # O O
 //
-//   color         of this pixel; right, left, below, above: of those; below is the next row in
-//                 memory; across the border of the image: of this pixel again
-//   returns       xy = direction of that pixel, pixels; z = weight for BokehLightCoC. A dark pixel:
-//                 0 up to a light of 4 times its brightness, 1 from 8 times. A rim: 0 up to 1.3
-//                 times the brightness of its darkest neighbour, 1 from 1.5 times.
+//   color         of this pixel
+//   right, left, below, above  colours of the neighbours; below is the next row in memory; outside
+//                 the image pass this pixel again
+//   returns       xy = direction of the light, pixels; z = weight for BokehLightCoC. For a dark
+//                 pixel it ramps from 0 to 1 while the light is 4 to 8 times as bright; for a rim,
+//                 while the rim is 1.3 to 1.5 times as bright as its darkest neighbour.
 float3 BokehLightBeside(float4 color, float4 right, float4 left, float4 below, float4 above)
 {
     float brightness = max(BokehBrightness(color), 0.0000001);
@@ -469,9 +472,10 @@ float3 BokehLightBeside(float4 color, float4 right, float4 left, float4 below, f
     return float3(brightest.xy, max(dark, rim));
 }
 
-// Listing 1: the same from a texture
-//   imageSize     width, height; pixels
-//   returns       as BokehLightBeside, but xy = offset in uv
+// Listing 1: finds the light beside a pixel in a texture, see BokehLightBeside
+//   ColorSamp     linear HDR colour, read texel by texel
+//   imageSize     width and height, pixels
+//   returns       xy = offset of the light, uv; z = weight for BokehLightCoC
 float3 BokehBrightNeighbor(BOKEH_TEXTURE ColorSamp, float2 uv, float2 imageSize)
 {
     float2 pixel = 1.0 / max(imageSize, float2(1.0, 1.0));
@@ -485,10 +489,14 @@ float3 BokehBrightNeighbor(BOKEH_TEXTURE ColorSamp, float2 uv, float2 imageSize)
     return float3(brightest.xy * pixel, brightest.z);
 }
 
-// Listing 1: CoC of a pixel beside a light: the light's where that is nearer to the camera
-//   Where one of the two is in focus each keeps its own, so that nothing sharp gets blurred and
-//   nothing blurred gets sharp: from one pixel to two the light's CoC fades in.
-//   weight        from BokehBrightNeighbor or BokehLightBeside
+// Listing 1: returns the CoC of a pixel beside a light: the light's, if that is nearer to the
+//   camera
+//   If one of the two is in focus, each keeps its own, so that nothing sharp gets blurred and
+//   nothing blurred gets sharp: the light's CoC fades in while the smaller CoC grows from one pixel
+//   to two.
+//   CoC, lightCoC  signed, fractions of the image height
+//   weight        from BokehLightBeside or BokehBrightNeighbor
+//   imageHeight   pixels
 float BokehLightCoC(float CoC, float lightCoC, float weight, float imageHeight)
 {
     float sharper = min(abs(CoC), abs(lightCoC));
@@ -496,13 +504,19 @@ float BokehLightCoC(float CoC, float lightCoC, float weight, float imageHeight)
     return CoC + (min(lightCoC, CoC) - CoC) * (weight * blurred);
 }
 
-// Listing 1: the map, first pass of `exact` and of the layers; no other sees the engine's textures
+// Listing 1: makes the CoC map, first pass of `exact` and `layered`
+//   The only pass that reads the engine's textures. It writes colour and signed CoC into one
+//   texture, so that no later pass reads depth or has to replace invalid values. Beside a small
+//   light it takes the light's CoC, see BokehLightBeside.
+//   ColorSamp     linear HDR colour, before bloom and tone mapping; read texel by texel
+//   DepthSamp     the engine's depth buffer, read texel by texel
 //   uv            centre of this pixel, 0 .. 1, v = 0 at the first row in memory
-//   depthUV       its place in the depth buffer: uv, or with BOKEH_VIEWPORT 1 BokehToTexture(uv);
-//                 plus the camera's jitter where temporal anti-aliasing has resolved colour, and
-//                 depth is jittered. Depth of another rectangle or size: the pass of bokeh_passes
-//   imageSize     width, height; pixels
-//   planes        near, far plane of the camera: BokehLinearDepth
+//   depthUV       this pixel in the depth buffer: uv, or BokehToTexture(uv) with BOKEH_VIEWPORT 1.
+//                 If temporal anti-aliasing has resolved colour while depth is jittered, add the
+//                 camera's jitter. If depth fills another rectangle, use the pass of bokeh_passes.
+//   imageSize     width and height, pixels
+//   kind          what the depth buffer holds, see BokehLinearDepth
+//   planes        near and far plane of the camera, metres
 //   returns       rgb = colour, a = signed CoC
 float4 BokehSignedCoCMap(BOKEH_TEXTURE ColorSamp, BOKEH_DEPTH_TEXTURE DepthSamp, float2 uv,
     float2 depthUV, float2 imageSize, BokehLens lens, int kind, float2 planes)

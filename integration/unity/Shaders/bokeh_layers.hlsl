@@ -43,8 +43,9 @@
 // [11] layers
 //
 //   name                    default    range   meaning
-//   BOKEH_LAYER_RINGS       2          1 .. 6  rings of the small gather at full size; one more
-//                                              where no layer is, or with CUBIC 0 small ones
+//   BOKEH_LAYER_RINGS       2          1 .. 6  rings of the small gather at full size; it takes one
+//                                              more where no layer is in reach (with CUBIC 0, where
+//                                              layers are small), and where it reaches far
 //   BOKEH_LAYER_SAMPLES     11         2 ..    most samples on an edge of a layer's hexagon; twice
 //                                              as many on a square's, fewer on shorter edges
 //   BOKEH_LAYER_CUBIC       1          0, 1    1: layers are enlarged by five fetches, not by one
@@ -428,7 +429,7 @@ BokehPrefiltered BokehPrefilter(BOKEH_TEXTURE MapSamp, BOKEH_TEXTURE DilatedTile
             for (int x = 0; x < 4; x++)
             {
                 float2 offset = float2(float(x) - 1.5, float(y) - 1.5);
-                // the eight that share an edge with those four
+                // only the eight pixels that share an edge with those four
                 if (abs(abs(offset.x) + abs(offset.y) - 2.0) < 0.5)
                 {
                     float4 pixel = BokehFetchGrid(MapSamp, middle + offset, full BOKEH_LINEAR);
@@ -760,7 +761,15 @@ struct BokehFilled
     float4 farFill;
 };
 
-// Layers: holes filled with what is around; the nearest counts most
+// Layers: fills the holes that near objects leave in the background, from what is around them
+//   Reads midWithHoles, farWithHoles and dilatedTiles, and writes both without holes. Around each
+//   texel lie four rings, and the nearest background has by far the highest weight:
+//
+//      o    o    o      ring diameters are 1/8, 1/4, 1/2 and 1 of the largest near CoC in reach;
+//        o o o          a texel at a ring's diameter d has the weight 1 / (1 + 4 d^3),
+//      o o x o o        times its own weight, which is 0 in a hole
+//        o o o
+//      o    o    o
 //   MidSamp, FarSamp  midWithHoles and farWithHoles of BokehDownsample
 BokehFilled BokehHoleFill(BOKEH_TEXTURE MidSamp, BOKEH_TEXTURE FarSamp,
     BOKEH_TEXTURE DilatedTilesSamp, BokehPolygon polygon, BokehLayerContext layers BOKEH_SAMPLER)
@@ -784,7 +793,7 @@ BokehFilled BokehHoleFill(BOKEH_TEXTURE MidSamp, BOKEH_TEXTURE FarSamp,
         {
             break;
         }
-        // diameter in texels; the rings reach an eighth, a quarter, a half and all of the CoC
+        // diameter in texels: an eighth, a quarter, half and all of the CoC
         float diameter = max(nearCoC / 8.0, 2.0) * exp2(float(ring) - 2.0);
         float weight = 1.0 / (1.0 + 4.0 * diameter * diameter * diameter);
         float2 scale = float2(polygon.squeeze * diameter, diameter);
@@ -1110,14 +1119,14 @@ struct BokehGather
 BokehGather BokehGatherRing(BokehGather before, BOKEH_TEXTURE MapSamp, int ring, int onEdge,
     float outer, BokehPolygon polygon, BokehLayerContext layers BOKEH_SAMPLER)
 {
-    //   |-----|--.--|--.--|     a sample counts by as much of its ring as its own disc
-    //  middle   1     2         covers, over that disc
+    //   |-----|--.--|--.--|     weight of a sample: the part of its ring that its own disc covers,
+    //   disc    1     2         divided by the area of that disc
     BokehGather gather = before;
     BokehGrid full = BokehFullGrid(layers);
     float2 zero = float2(0.0, 0.0);
     float2 one = float2(1.0, 1.0);
-    // in the middle with two rings; with more the first, which is turned, counts for less (HIGH
-    // with 0.5: street_11 .0420 for .0416)
+    // where in their ring samples lie: half-way with two rings; with more, farther in, or the
+    // rotated first ring would get too much weight
     float outwards = 0.58 - 0.04 * float(BOKEH_LAYER_RINGS);
     float current = gather.inner + (outer - gather.inner) * outwards;
     float innerSquare = gather.inner * gather.inner;
@@ -1125,21 +1134,22 @@ BokehGather BokehGatherRing(BokehGather before, BOKEH_TEXTURE MapSamp, int ring,
     float phase = layers.jitter * clamp(current / float(ring) - 1.0, 0.0, 1.0);
     if (ring != 2 && onEdge == BokehSamplesPerEdge(1, polygon))
     {
-        // a ring of few samples: between the corners, where the ring beside it has gaps
+        // rotate a ring of few samples by half a step: its samples then fill the gaps of the ring
+        // beside it
         phase += 0.5;
     }
-    // the upright polygon's x and y, in pixels: what is done with those is known to compilers
+    // axes of the upright polygon, in pixels: compilers can fold the arithmetic on its corners
     float2 right = float2(polygon.axis.x * polygon.squeeze, polygon.axis.y) * current;
     float2 upwards = float2(-polygon.axis.y * polygon.squeeze, polygon.axis.x) * current;
     float2 corner = polygon.corner * 2.0;
     float2 turn = BokehTurn(1.0, polygon);
     float2 direction = float2(-turn.y, turn.x) * 2.0;
-    // half of the edges: the others are opposite to them, sample by sample
+    // half of the edges: samples of the other half are opposite to these
     BOKEH_LOOP for (int edge = 1; edge <= polygon.sides / 2; edge++)
     {
         float2 alongEdge = direction * BokehEdgeLength(edge, polygon);
         float2 along = alongEdge / float(onEdge);
-        // of its edges each gets what lies in the triangle from the middle to it
+        // each edge stands for the triangle from the centre to it
         float cell = (corner.x * along.y - corner.y * along.x) / (8.0 * polygon.area);
         BOKEH_LOOP for (int i = 0; i < onEdge; i++)
         {
@@ -1149,7 +1159,7 @@ BokehGather BokehGatherRing(BokehGather before, BOKEH_TEXTURE MapSamp, int ring,
             // steeper between two texels than the linear filter is
             float2 offset = texel + clamp((place - texel) * (gather.snapping + 1.0) - 0.5 *
                 gather.snapping, zero, one);
-            // both at once: this one and the one opposite to it
+            // this sample and the one opposite to it, both at once
             float4 pixel = BokehFetchAround(MapSamp, layers.uv, offset, full BOKEH_LINEAR);
             float4 other = BokehFetchAround(MapSamp, layers.uv, -offset, full BOKEH_LINEAR);
             float2 CoC = float2(pixel.a, other.a) * full.size.y;
@@ -1194,7 +1204,7 @@ float4 BokehComposite(BOKEH_TEXTURE MapSamp, BOKEH_TEXTURE GatherTilesSamp, BOKE
     float4 tile = BokehFetchGrid(GatherTilesSamp, center / 8.0, BokehReducedGrid(layers,
         8.0) BOKEH_LINEAR);
     float3 result = centerPixel.rgb;
-    // up to a CoC of one pixel nothing spreads
+    // nothing within reach is blurred by more than a pixel: copy the input
     if (max(tile.r, tile.g) > 1.0)
     {
         BokehGather gather;
@@ -1205,20 +1215,20 @@ float4 BokehComposite(BOKEH_TEXTURE MapSamp, BOKEH_TEXTURE GatherTilesSamp, BOKE
         float farWeight = BokehLayerWeight(s, gather.slopes.y);
         gather.nearWeight = nearWeight;
         gather.inverse = BokehSpreadInverse(float2(s, s)).x;
-        // the gather reaches as far as what is in no layer
+        // the gather reaches as far as the CoC of pixels in neither layer
         float restRadius = clamp(16.0 - 16.0 * farWeight, 0.0, 1.0) * (1.0 - nearWeight) /
             sqrt(gather.inverse);
         float radius = max(max(restRadius, 0.01), 0.5 * max(tile.b, tile.a * farWeight));
         float narrowing = clamp(radius / max(restRadius, 1.0) - 1.0, 0.0, 1.0);
-        // where no layer is, its fetches are free for one more ring (moderate blur: .112 for .114);
-        // without CUBIC also where layers are small (LOW, canopy_12: .151 for .157)
+        // no layer here: spend its fetches on one more ring; without CUBIC, do so also where layers
+        // are small
         float rings = float(BOKEH_LAYER_RINGS);
         if (max(tile.g, tile.r + 4.0) <= 14.0 - 4.0 * float(BOKEH_LAYER_CUBIC))
         {
             rings += 1.0;
         }
-        // a gather that reaches far has one ring more, of few samples: with wide gaps between the
-        // rings a thin bright line shows as a row of copies
+        // a gather that reaches far has one more ring, of few samples: with wider gaps between
+        // the rings, a thin bright line would show as a row of copies
         float wideRings = min(radius / 3.0, float(BOKEH_LAYER_RINGS) + 1.0);
         float denseRings = rings;
         rings = max(rings, wideRings);
@@ -1230,21 +1240,21 @@ float4 BokehComposite(BOKEH_TEXTURE MapSamp, BOKEH_TEXTURE GatherTilesSamp, BOKE
         {
             gather.inner = radius;
         }
-        // what spreads less than the inner radius of the first ring reaches no other pixel
+        // a disc smaller than the inner one reaches no other pixel
         gather.bounds = 1.0 / float2(radius * radius, gather.inner * gather.inner);
         float weight = (1.0 - nearWeight) * min(gather.inverse / gather.bounds.y, 1.0);
-        // of what is in the far layer, that layer takes the place: one of its pixels alone would
-        // shine
+        // pixels of the far layer are replaced by that layer: a single one of them would be a
+        // bright dot
         gather.farFound = weight * farWeight;
         gather.sum = float4(centerPixel.rgb, 1.0) * (weight - gather.farFound);
         gather.front = float4(0.0, 0.0, 0.0, 0.0);
-        // where near layers are, places move to the nearest texel: between a near light and what is
-        // behind it, the linear filter would find a light in focus
+        // beside near layers, samples move to the nearest texel: between a near light and the
+        // surface behind it, the linear filter would find a light in focus
         float edges = max(tile.r, tile.g - 16.0);
         gather.snapping = 3.75 * clamp(edges / 5.0, 0.0, 1.0) + 100.0 * clamp((edges - 10.0) / 16.0,
             0.0, 1.0);
-        // The rings of few samples: the first, and the last one of a wide gather. They have a loop
-        // of their own because compilers write out loops over a known number of samples.
+        // The rings of few samples: the first, and the last one of a wide gather. They have their
+        // own loop because compilers unroll loops over a known number of samples.
         float lastInner = radius;
         if (wideRings > denseRings)
         {
@@ -1295,13 +1305,13 @@ float4 BokehComposite(BOKEH_TEXTURE MapSamp, BOKEH_TEXTURE GatherTilesSamp, BOKE
         {
             farLayer = BokehFetchLayer(FarSamp, 0.5 * center, halves BOKEH_LINEAR);
         }
-        // at a pixel of a layer, that layer itself is added below
+        // at pixels of a layer, the layer itself is added below
         float4 sum = gather.sum + farLayer * (gather.farFound * (1.0 - max(farWeight, nearWeight)) /
             max(farLayer.a, 0.001));
         float4 plain = sum + farLayer * farWeight;
         if (plain.a >= 0.001)
         {
-            // what is in front covers the rest by as much as it has weight
+            // the weight of what is in front is its coverage; the rest shows through what is left
             float rest = plain.a - gather.front.a;
             float open = max(1.0 - gather.front.a, 0.0) / max(rest, 0.1);
             result = (gather.front.rgb + (plain.rgb - gather.front.rgb) * open) / max(gather.front.a
@@ -1309,8 +1319,7 @@ float4 BokehComposite(BOKEH_TEXTURE MapSamp, BOKEH_TEXTURE GatherTilesSamp, BOKE
         }
         if (nearWeight > 0.0)
         {
-            // in depth order: the gather, then what fills its holes, then the far layer, and what
-            // fills that
+            // in depth order: the gather, the fill of its holes, the far layer, the fill of that
             BokehGrid quarters = BokehReducedGrid(layers, 4.0);
             float4 midFill = BokehFetchGrid(MidFillSamp, 0.25 * center, quarters BOKEH_LINEAR);
             float4 farFill = BokehFetchGrid(FarFillSamp, 0.25 * center, quarters BOKEH_LINEAR);
@@ -1324,8 +1333,8 @@ float4 BokehComposite(BOKEH_TEXTURE MapSamp, BOKEH_TEXTURE GatherTilesSamp, BOKE
                 max(sum.a + empty, 0.000001);
             result += (stack - result) * nearWeight;
         }
-        // half floats leave a covered pixel at .999: without 1.002 a light behind would shine
-        // through; 1.02 makes edges hard (street_11: FLIP .042 for .041)
+        // half floats leave a covered pixel at 0.999: a lower factor lets a light behind it shine
+        // through, a higher one makes edges hard
         float alpha = clamp(nearLayer.a * 1.002, 0.0, 1.0);
         result = result * (1.0 - alpha) + nearLayer.rgb * (alpha / max(nearLayer.a, 0.000001));
     }
