@@ -252,7 +252,7 @@ fn BokehReachTiles(layers: BokehLayerContext) -> f32
 //   Reads tiles, then its own target: it runs twice, along rows and along columns. Writes
 //   dilatedTiles, from which every later pass knows whether a layer can be here.
 //
-//      . . K . .   -->  K K K K K      a CoC of K reaches two tiles in each direction
+//      . . K . .   -->  K K K K K      if a CoC of K reaches two tiles in each direction
 //   axis          (1, 0), then (0, 1)
 //   returns       r = near, g = far, pixels; b = mean log2 of brightness of the tiles around
 fn BokehTileDilate(TilesSamp: texture_2d<f32>, axis: vec2f, layers: BokehLayerContext,
@@ -1175,9 +1175,9 @@ fn BokehGatherRing(before: BokehGather, MapSamp: texture_2d<f32>, ring: i32, onE
 }
 
 // Layers: gathers the pixels in neither layer, and composites everything; the last pass
-//   Reads the CoC map, gatherTiles, both blurred layers and both fills. Each gathered sample
-//   spreads over its own disc; one behind this pixel's surface over this pixel's disc. Pixels of a
-//   layer are left out of the gather. From back to front:
+//   Reads the CoC map, gatherTiles, both blurred layers and both fills. A gathered sample spreads
+//   over its own disc, or over this pixel's disc if it lies behind this pixel's surface. Pixels of
+//   a layer are left out of the gather. From back to front:
 //
 //      farFill, far layer, midFill   (the fills only behind near pixels)
 //      gathered pixels

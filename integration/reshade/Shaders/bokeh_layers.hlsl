@@ -287,7 +287,7 @@ float BokehReachTiles(BokehLayerContext layers)
 //   Reads tiles, then its own target: it runs twice, along rows and along columns. Writes
 //   dilatedTiles, from which every later pass knows whether a layer can be here.
 //
-//      . . K . .   -->  K K K K K      a CoC of K reaches two tiles in each direction
+//      . . K . .   -->  K K K K K      if a CoC of K reaches two tiles in each direction
 //   axis          (1, 0), then (0, 1)
 //   returns       r = near, g = far, pixels; b = mean log2 of brightness of the tiles around
 float4 BokehTileDilate(BOKEH_TEXTURE TilesSamp, float2 axis, BokehLayerContext layers BOKEH_SAMPLER)
@@ -1186,9 +1186,9 @@ BokehGather BokehGatherRing(BokehGather before, BOKEH_TEXTURE MapSamp, int ring,
 }
 
 // Layers: gathers the pixels in neither layer, and composites everything; the last pass
-//   Reads the CoC map, gatherTiles, both blurred layers and both fills. Each gathered sample
-//   spreads over its own disc; one behind this pixel's surface over this pixel's disc. Pixels of a
-//   layer are left out of the gather. From back to front:
+//   Reads the CoC map, gatherTiles, both blurred layers and both fills. A gathered sample spreads
+//   over its own disc, or over this pixel's disc if it lies behind this pixel's surface. Pixels of
+//   a layer are left out of the gather. From back to front:
 //
 //      farFill, far layer, midFill   (the fills only behind near pixels)
 //      gathered pixels
