@@ -57,8 +57,6 @@ class Drawing:
 PAPER, LAYERED = ("bokeh", "bokeh_paper", "bokeh_passes"), ("bokeh", "bokeh_layers", "bokeh_passes")
 ALL = ("bokeh", "bokeh_paper", "bokeh_layers", "bokeh_lens", "bokeh_passes")
 MARKET, CANOPY = ray_traced.MARKET, ray_traced.CANOPY
-# What the chart of all methods is drawn from
-MEASURED = "truth", "peers"
 # Of docs/results.md: seeds of the random scenes
 SEEDS = range(80)
 
@@ -112,8 +110,9 @@ def _figure(draw: Callable[[Driver], Drawn], *names: str, stems: Iterable[str] =
 DRAWINGS = (
     Drawing(("focus_pull",), focus_pull, LAYERED, (MARKET.source,)),
     *(Drawing((name,), partial(gallery.gallery, name=name), ALL, (MARKET.source,)) for name in gallery.PICTURES),
-    Drawing(("frame_graph",), graph, (), (frame_graph.FRAME,)),
-    Drawing(("flip_by_method",), flip_by_method, (), tuple(paths.ROOT / f"docs/data/{n}.json" for n in MEASURED)),
+    # a test compares these two with what they are drawn from
+    Drawing(("frame_graph",), graph, ()),
+    Drawing(("flip_by_method",), flip_by_method, ()),
     Drawing(("lights_apart",), gallery.apart, ALL),
     Drawing(("character_cats_eye",), cats_eye, ALL, (MARKET.source,)),
     *(
