@@ -92,7 +92,7 @@ def once(make: Callable) -> Callable:
 def end_programs() -> None:
     """End Wine and its display if they were used; call this before os._exit(), which runs no exit handlers.
 
-    The program ends with os._exit() because Mesa's and wgpu's libraries may crash in their own clean-up at exit.
+    The program ends with os._exit() because Mesa's and wgpu's libraries clean up in an order that it does not control.
     """
     windows = sys.modules.get("bokeh_validation.windows.wine")
     if windows:

@@ -1,11 +1,11 @@
-"""Real runtimes behind one interface, and the reference."""
+"""Provide real runtimes and the reference behind one interface."""
 
 import importlib
 
 from bokeh_validation.drivers.base import Driver
 from bokeh_validation.errors import UserError
 
-# name -> module, which is loaded when it is asked for, and class
+# name -> module, imported on first use, and class
 DRIVERS = {
     "osmesa": ("drivers.gl", "OSMesa"),
     "egl": ("drivers.gl", "EGL"),
@@ -20,7 +20,7 @@ NAMES = tuple(DRIVERS)
 
 
 def load(name: str, adapter: str | None = None) -> Driver:
-    """A driver by name. Raises UserError for an unknown name and Unavailable for one that this machine lacks."""
+    """Create a driver by name. Raises UserError for an unknown name, Unavailable if this machine lacks it."""
     if name not in DRIVERS:
         raise UserError(f"no driver {name!r}: one of {', '.join(NAMES)}")
     module, driver = DRIVERS[name]

@@ -1,4 +1,4 @@
-"""The one interface of all drivers: passes and textures in, textures out."""
+"""Define the interface of all drivers: passes and textures in, textures out."""
 
 from collections.abc import Iterable, Sequence
 from functools import cached_property
@@ -11,30 +11,30 @@ from bokeh_validation.numerics import images, precision
 from bokeh_validation.numerics.images import STORAGE, Textures
 from bokeh_validation.shaders.passes import Pass, target_area, target_size
 
-# Parts of the names of devices that are programs on this machine's cores -> whose they are
+# Parts of device names that mean a software device -> its maker
 SOFTWARE = {"llvmpipe": "Mesa", "softpipe": "Mesa", "swiftshader": "SwiftShader", "microsoft basic render": "WARP"}
 
 
 def software_device(adapter: str) -> str:
-    """'Mesa', 'SwiftShader' or 'WARP' where a device is a program of theirs; '' for a GPU."""
+    """Return 'Mesa', 'SwiftShader' or 'WARP' if a device runs on the CPU; '' for a GPU."""
     return next((owner for part, owner in SOFTWARE.items() if part in adapter.lower()), "")
 
 
 def precision_of(adapter: str) -> precision.Precision:
-    """What the reference has to allow a device."""
+    """Return the precision that the reference has to allow a device."""
     known = {"Mesa": precision.SOFTWARE, "SwiftShader": precision.SWIFTSHADER}
     return known.get(software_device(adapter), precision.GPU)
 
 
-PROGRAMS = 64  # kept by a driver between jobs: in Mesa one takes 3 to 5 MB
+PROGRAMS = 64  # kept by a driver between jobs; one takes 3 to 5 MB in Mesa
 
 
 class Driver:
-    """A real runtime, or the reference.
+    """Run passes on a real runtime, or on the reference.
 
     name              what --driver takes
-    adapter           the device behind it, as the runtime names it
-    attachment_bytes  that all targets of a pass may have together for a pixel
+    adapter           the device, as the runtime names it
+    attachment_bytes  most bytes per pixel for all targets of a pass together
     """
 
     name: str
@@ -43,25 +43,25 @@ class Driver:
 
     @property
     def software(self) -> bool:
-        """Whether the texture unit is Mesa's software one: exact float32 filtering.
+        """Return whether the device is Mesa's software renderer, which filters in exact float32.
 
-        SwiftShader's filters in float32 too, but its sin() and cos() are off by up to 1.9e-4 (Mesa's by 7e-8), so lines
-        at an angle end a little elsewhere: not always within the bounds in steps that Mesa is held to.
+        SwiftShader also filters in float32, but its sin() and cos() are off by up to 1.9e-4 (Mesa's by 7e-8). Lines at
+        an angle therefore end at slightly different positions, which may exceed the bounds in steps for Mesa.
         """
         return software_device(self.adapter) == "Mesa"
 
     @property
     def precision(self) -> precision.Precision:
-        """What the reference has to allow it."""
+        """Return the precision that the reference has to allow this driver."""
         return precision_of(self.adapter)
 
     @cached_property
     def rounding(self) -> str:
-        """How its half-float targets round, 'nearest' or 'zero': measured, see half_rounding()."""
+        """Return how half-float targets round, 'nearest' or 'zero', as measured by half_rounding()."""
         return half_rounding(self)
 
     def require_adapter(self, adapter: str | None) -> None:
-        """Raise Unavailable where a device was asked for by a part of its name, and it is another."""
+        """Raise Unavailable if `adapter` is given and is not a part of the device's name."""
         if adapter is not None and adapter.lower() not in self.adapter.lower():
             raise Unavailable(f"{self.name} has no device named like {adapter!r}; it has {self.adapter}")
 
@@ -75,21 +75,21 @@ class Driver:
     ) -> dict[str, np.ndarray]:
         """Run the passes in order and return the textures named in `keep`.
 
-        textures  (H, W, 4) float16 or float32, or (H, W) float32 for depth
+        textures  name -> (H, W, 4) float16 or float32, or (H, W) float32 for depth
         size      (width, height) of every target of scale 1
         storage   'half' or 'float': format of the targets between and after the passes
-        returns   name -> (H, W, 4) of the target's size, float16 or float32 by `storage`
+        Returns name -> (H, W, 4) of the target's size, float16 or float32 as `storage` says.
 
-        A pass with a viewport draws nothing outside of it; uv runs 0 .. 1 over it. What an earlier pass has left in its
-        targets stays around it; a target that no earlier pass has made is 0 there, also where a texture of that name
-        was handed in.
+        A pass with a viewport draws only inside it, where uv runs from 0 to 1. Around it, targets keep what an earlier
+        pass wrote to them. A target without an earlier pass is 0 there, even if an input texture has its name.
         """
 
 
 class Image(NamedTuple):
-    """A texture of some passes that was handed in, or a target, which has no pixels: 0 everywhere at first.
+    """Describe an input texture, or a target, which has no pixels and starts as zeros.
 
-    size  (width, height)
+    size     (width, height)
+    storage  a key of STORAGE
     """
 
     name: str
@@ -100,21 +100,22 @@ class Image(NamedTuple):
 
     @classmethod
     def of(cls, name: str, pixels: np.ndarray) -> "Image":
-        """(H, W) or (H, W, channels), float16 or float32."""
+        """Make an image of pixels (H, W) or (H, W, channels), float16 or float32."""
         storage = next(known for known, dtype in STORAGE.items() if pixels.dtype == dtype)
         channels = 1 if pixels.ndim == 2 else pixels.shape[2]
         return cls(name, pixels.shape[1::-1], storage, channels, np.ascontiguousarray(pixels))
 
     def shaped(self, data: np.ndarray) -> np.ndarray:
-        """What was read from a target, as (H, W, channels)."""
+        """Reshape what was read from a target to (H, W, channels)."""
         return data.reshape(*self.size[::-1], self.channels)
 
 
 class Draw(NamedTuple):
-    """A pass by the numbers of its images.
+    """Describe a pass by the numbers of its images.
 
-    inputs  slot -> number
-    area    (x, y, width, height) in texels of the targets: what is drawn; the rest of them stays as it was
+    inputs   slot -> number
+    targets  numbers
+    area     (x, y, width, height) in texels of the targets that is drawn; the rest is left unchanged
     """
 
     item: Pass
@@ -126,9 +127,9 @@ class Draw(NamedTuple):
 def flattened(
     driver: Driver, passes: Sequence[Pass], textures: Textures, size: tuple[int, int], storage: str
 ) -> tuple[list[Image], list[Draw], dict[str, int]]:
-    """What `run` is to do: all images, the draws, and name -> number of the image that has it at the end.
+    """Return the work of `run`: all images, the draws, and name -> number of the image that finally holds it.
 
-    Raises Unavailable where the driver cannot write all targets of a pass at once.
+    Raises Unavailable if the driver cannot write all targets of a pass at once.
     """
     images = [Image.of(name, pixels) for name, pixels in textures.items()]
     numbers, draws = {name: number for number, name in enumerate(textures)}, []
@@ -138,7 +139,7 @@ def flattened(
         if needed > limit:
             raise Unavailable(f"{driver.adapter} writes {limit} bytes a pixel at once; {item.entry} needs {needed}")
         for name in item.outputs:
-            # what a viewport is drawn over; else the name is that of a new target from here on
+            # a viewport draws into the existing target; otherwise the name refers to a new target from here on
             if not item.viewport or numbers.get(name, -1) < len(textures):
                 numbers[name] = len(images)
                 images.append(Image(name, extent, storage))
@@ -148,9 +149,9 @@ def flattened(
 
 
 class DeviceDriver(Driver):
-    """A driver that holds textures of its device in this process: osmesa, egl, wgpu, dxc.
+    """Base of drivers that hold their device's textures in this process: osmesa, egl, wgpu, dxc.
 
-    A subclass makes the textures, and of each pass a step: whatever it draws it from.
+    A subclass creates the textures, and prepares for each pass a step that it can draw.
     """
 
     def run(self, passes, textures, size, storage="half", keep=("result",)) -> dict[str, np.ndarray]:
@@ -162,29 +163,28 @@ class DeviceDriver(Driver):
         return {name: images[at].shaped(self.pixels(handles[at], images[at])).copy() for name, at in kept.items()}
 
     def make_current(self) -> None:
-        """Called before anything else here."""
+        """Make the driver's context current; called before anything else."""
 
     def texture(self, image: Image) -> object:
-        """A texture with the pixels of an image, row 0, v = 0, first in memory; or a target of zeros."""
+        """Create a texture with an image's pixels, row 0 (v = 0) first in memory, or a target of zeros."""
 
     def step(self, draw: Draw, handles: Sequence) -> object:
-        """A pass ready to be drawn; `handles` are the textures and targets by the numbers of their images."""
+        """Prepare a pass for drawing; `handles` are the textures and targets by the numbers of their images."""
 
     def draw(self, steps: Sequence) -> None:
-        """Give the steps to the device; does not wait."""
+        """Submit the steps to the device without waiting."""
 
     def pixels(self, handle: object, image: Image) -> np.ndarray:
-        """The contents of a target, of any shape."""
+        """Read a target; the array may have any shape."""
 
 
 def half_rounding(driver: "Driver") -> str:
-    """How a driver's half-float targets round what a shader writes: 'nearest', or 'zero' for cutting off.
+    """Return how a driver's half-float targets round what a shader writes: 'nearest', or 'zero' for truncation.
 
-    Found by storing constants that lie between two half floats in the alpha of the first pass. OpenGL, Vulkan and
-    Direct3D leave it open; a step in the stored CoC moves every later sample, so the reference has to store as the
-    device does.
+    Measured by storing constants between two half floats in the alpha of the first pass. OpenGL, Vulkan and Direct3D
+    allow both. A step in the stored CoC moves every later sample, so the reference has to store as the device does.
     """
-    # quarters of a step above half floats of several sizes, exact in float32
+    # a quarter and three quarters of a step above half floats of different magnitude, exact in float32
     constants = np.array([base * (1 + k * 2.0**-12) for base in (0.5, 0.0625, 0.3125) for k in (1, 3)])
     passes = [
         Pass("BokehConstantCoC", {"ColorSamp": "color"}, f"{i}", {"BokehConstantCoC": float(c), "BokehMaxCoC": 1.0})

@@ -1,4 +1,4 @@
-"""The float64 reference as a driver: the same passes, computed in place of drawn."""
+"""Provide the float64 reference as a driver: it computes the passes instead of drawing them."""
 
 import numpy as np
 
@@ -9,7 +9,9 @@ from bokeh_validation.reference import pass_images
 
 
 class Reference(Driver):
-    """NumPy, float64, rounded to the targets' format between passes. No language, no device."""
+    """Compute passes with NumPy in float64, rounded to the targets' format between passes; no graphics device is
+    involved.
+    """
 
     name = "reference"
     adapter = "NumPy float64"
@@ -21,10 +23,10 @@ class Reference(Driver):
 
     @property
     def precision(self) -> Precision:
-        """That of a device which filters in float32."""
+        """Return the precision of a device that filters in float32."""
         return SOFTWARE
 
     def run(self, passes, textures, size, storage="half", keep=("result",)) -> dict[str, np.ndarray]:
-        """See Driver."""
+        """Compute the passes; see Driver.run()."""
         images = pass_images.images(passes, textures, size, storage)
         return {name: images[name].value.astype(STORAGE[storage]) for name in keep}

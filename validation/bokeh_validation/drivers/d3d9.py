@@ -1,6 +1,6 @@
-"""HLSL of shader model 3, compiled by fxc, on Wine's Direct3D 9.
+"""Run HLSL of shader model 3, compiled by fxc, on Wine's Direct3D 9.
 
-A program of ours (windows/d3d9run.cpp) makes textures and draws passes; it stays up between calls.
+A small program, windows/d3d9run.cpp, creates the textures and draws the passes; it keeps running between calls.
 """
 
 import shutil
@@ -22,7 +22,7 @@ RUN_S = 300.0  # the largest scene takes 2 s on two cores
 
 
 class D3D9(Driver):
-    """ps_3_0 and vs_3_0 on Direct3D 9."""
+    """Run ps_3_0 and vs_3_0 on Direct3D 9."""
 
     name = "d3d9"
 
@@ -36,14 +36,21 @@ class D3D9(Driver):
 
     @property
     def precision(self) -> Precision:
-        """Its sin and cos are less exact: for ps_3_0 fxc writes those of x as sincos of frac(x / 2 pi + 1/2) 2 pi - pi,
-        and the rounding of the fraction, FLOAT_STEP, becomes 2 pi times that of an angle.
+        """Return the precision, with less exact sin and cos than usual.
+
+        For ps_3_0, fxc compiles both as sincos of frac(x / 2 pi + 1/2) 2 pi - pi, which multiplies the rounding of the
+        fraction, FLOAT_STEP, by 2 pi.
         """
         device = super().precision
         return replace(device, line=device.line + 2.0 * pi * FLOAT_STEP)
 
     def shader(self, stage: str, entry: str, values: dict[str, object]) -> str:
-        """File name of the bytecode of an entry point, in the program's folder. `stage` is 'ps' or 'vs'."""
+        """Compile an entry point and return its bytecode's file name in the program's folder.
+
+        stage   'ps' or 'vs'
+        values  constants to compile with
+        Raises Unavailable if a lens shape or viewport does not fit into shader model 3.
+        """
         try:
             code = fxc.bytecode(shaders.hlsl(3, values), f"{stage}_3_0", entry)
         except RuntimeError as error:
@@ -55,11 +62,11 @@ class D3D9(Driver):
         return code.name
 
     def ask(self, *words: object) -> None:
-        """Have the program do a request of windows/d3d9run.cpp."""
+        """Send a request to windows/d3d9run.cpp and wait until it is done."""
         self.server.ask(" ".join(map(str, words)), RUN_S)
 
     def make(self, number: int, image: Image) -> None:
-        """Have it make a texture or a target."""
+        """Create a texture or a target with this number."""
         given = []
         if image.pixels is not None:
             self.file.write_bytes(image.pixels.tobytes())
@@ -67,12 +74,14 @@ class D3D9(Driver):
         self.ask("texture", number, *image.size, f"{image.storage}{image.channels}", *given)
 
     def pixels(self, number: int, image: Image) -> np.ndarray:
-        """What is in a target."""
+        """Read a target, (H, W, channels)."""
         self.ask("keep", number, self.file.name)
         return image.shaped(np.frombuffer(self.file.read_bytes(), STORAGE[image.storage]))
 
     def run(self, passes, textures, size, storage="half", keep=("result",)) -> dict[str, np.ndarray]:
-        """See Driver. Raises RuntimeError with what Direct3D said, also after a crash or a hang."""
+        """Run the passes, see Driver.run(). Raises RuntimeError with Direct3D's message, also after a
+        crash or a hang.
+        """
         images, draws, numbers = flattened(self, passes, textures, size, storage)
         self.ask("clear")
         self.ask("vertex", self.shader("vs", "BokehFullScreen_VS", {}))
@@ -82,7 +91,7 @@ class D3D9(Driver):
             self.ask("pixel", self.shader("ps", f"{item.entry}_PS", item.constants))
             for slot, number in inputs.items():
                 self.ask("input", SLOTS.index(slot), number, "linear" if is_linear(item.entry, slot) else "nearest")
-            # nine digits are enough for any float32
+            # nine significant digits identify any float32
             self.ask("values", *(f"{value:.9g}" for value in item.values().values()))
             self.ask("viewport", *area)
             self.ask("draw", *targets)

@@ -1,4 +1,4 @@
-"""GLSL 330 on OpenGL, through moderngl: `egl` (Mesa or a GPU, no display needed) and `osmesa` (Mesa, off screen)."""
+"""Run GLSL 330 on OpenGL through moderngl: `egl` (Mesa or a GPU, no display needed) and `osmesa` (Mesa, off-screen)."""
 
 import ctypes
 from collections.abc import Iterator, Mapping, Sequence
@@ -18,26 +18,26 @@ from bokeh_validation.shaders.passes import SLOTS, Pass, is_linear
 
 
 class GLDriver(DeviceDriver):
-    """What both share: programs, textures, the pass loop. A subclass makes the context."""
+    """Implement what both drivers share: programs, textures, the pass loop. A subclass creates the context."""
 
     def __init__(self, context: moderngl.Context):
         self.context = context
         self.adapter = f"{context.info['GL_RENDERER']}, OpenGL {context.info['GL_VERSION']}"
         self.program = lru_cache(PROGRAMS)(self._linked)
-        # objects that nobody has any more are freed by gc(), when their context is current
+        # unreferenced objects are freed by gc(), while their context is current
         context.gc_mode = "context_gc"
-        # by 'is linear'; clamp, and no mip levels
+        # keyed by whether the filter is linear; clamped, without mip levels
         clamp = {"repeat_x": False, "repeat_y": False}
         kinds = {True: (moderngl.LINEAR,) * 2, False: (moderngl.NEAREST,) * 2}
         self.samplers = {key: context.sampler(**clamp, filter=kind) for key, kind in kinds.items()}
 
     def make_current(self) -> None:
-        """Both drivers may live in one process, so each call makes its own context current first."""
+        """Make this driver's context current, since both drivers may live in one process."""
         self.context.__enter__()
         self.context.gc()
 
     def _linked(self, text: str) -> moderngl.VertexArray:
-        """The program of a fragment shader as a vertex array without buffers."""
+        """Link a fragment shader into a program, returned as a vertex array without buffers."""
         program = self.context.program(vertex_shader=shaders.glsl("BokehFullScreen", "330"), fragment_shader=text)
         for unit, slot in enumerate(SLOTS):
             if f"Bokeh{slot}" in program:
@@ -46,7 +46,7 @@ class GLDriver(DeviceDriver):
 
     def texture(self, image: Image) -> moderngl.Texture:
         dtype = np.dtype(STORAGE[image.storage])
-        # a target begins as zeros: OpenGL leaves open what is in one that has just been made
+        # targets are initialised to zeros, since OpenGL leaves new textures undefined
         data = bytes(dtype.itemsize * image.channels * image.size[0] * image.size[1])
         if image.pixels is not None:
             data = image.pixels.tobytes()
@@ -58,7 +58,7 @@ class GLDriver(DeviceDriver):
         item = draw.item
         text = item.sources["glsl"] if item.sources else shaders.glsl(item.entry, "330", item.constants)
         framebuffer = self.context.framebuffer([handles[number] for number in draw.targets])
-        # a triangle is clipped to it; its y counts from the first row in memory, as v does
+        # the full-screen triangle is clipped to the viewport; its y counts from the first row in memory, like v
         framebuffer.viewport = draw.area
         bound = {slot: handles[number] for slot, number in draw.inputs.items()}
         return Step(item, self.program(text), bound, framebuffer)
@@ -70,7 +70,7 @@ class GLDriver(DeviceDriver):
                     bound[slot].use(unit)
                     self.samplers[is_linear(item.entry, slot)].use(unit)
             for name, value in item.values().items():
-                # every time: it is cheap, and a program need not have the values that it was left with
+                # set every time: it is cheap, and the program may have other values from an earlier pass
                 if name in array.program:
                     array.program[name] = value
             target.use()
@@ -81,7 +81,7 @@ class GLDriver(DeviceDriver):
 
 
 class Step(NamedTuple):
-    """One pass with its program, its textures by slot and its targets."""
+    """Hold one pass with its program, its textures by slot and its targets."""
 
     item: Pass
     array: moderngl.VertexArray
@@ -90,7 +90,7 @@ class Step(NamedTuple):
 
 
 class EGL(GLDriver):
-    """GLSL 330 through EGL, on the first device or the one chosen by a part of its name."""
+    """Run GLSL 330 through EGL, on the first device or on the one chosen by a part of its name."""
 
     name = "egl"
     install = needs.install("opengl")
@@ -108,17 +108,17 @@ class EGL(GLDriver):
 
 
 def _egl_contexts() -> Iterator[moderngl.Context]:
-    """Contexts on every EGL device, one after the other."""
+    """Yield a context on each EGL device in turn."""
     with suppress(Exception):
         for index in count():
             yield moderngl.create_context(standalone=True, require=330, backend="egl", device_index=index)
 
 
 def _unbind_egl() -> None:
-    """Let EGL know that its context is no longer current.
+    """Tell EGL that its context is no longer current.
 
-    OSMesa takes the thread's OpenGL away without telling EGL. For EGL, making the same context current once more is
-    nothing to do then, and its commands would go to OSMesa's objects of the same numbers.
+    OSMesa takes over the thread's OpenGL without telling EGL. EGL would then skip making the same context current
+    again, and its commands would reach OSMesa's objects with the same numbers.
     """
     try:
         egl = ctypes.CDLL("libEGL.so.1")
@@ -131,7 +131,7 @@ def _unbind_egl() -> None:
 
 
 class OSMesaContext:
-    """An off-screen Mesa context, in the form that moderngl takes a foreign context."""
+    """Create an off-screen Mesa context in the form in which moderngl accepts a foreign context."""
 
     # from GL/osmesa.h
     FORMAT, DEPTH_BITS, PROFILE, CORE_PROFILE, MAJOR, MINOR = 0x22, 0x30, 0x33, 0x34, 0x36, 0x37
@@ -156,7 +156,7 @@ class OSMesaContext:
         self.__enter__()
 
     def load(self, name: str) -> int:
-        """Address of a GL function, 0 where there is none."""
+        """Return the address of a GL function, or 0 if there is none."""
         return self.library.OSMesaGetProcAddress(name.encode()) or 0
 
     def __enter__(self) -> None:
@@ -172,7 +172,7 @@ class OSMesaContext:
 
 
 class OSMesa(GLDriver):
-    """GLSL 330 on Mesa's off-screen software renderer."""
+    """Run GLSL 330 on Mesa's off-screen software renderer."""
 
     name = "osmesa"
     install = needs.install("opengl")

@@ -1,4 +1,4 @@
-"""GLSL ES 3.00 on WebGL 2 (`webgl2`) and WGSL on WebGPU (`webgpu`), both in headless Chromium."""
+"""Run GLSL ES 3.00 on WebGL 2 (`webgl2`) and WGSL on WebGPU (`webgpu`), both in headless Chromium."""
 
 import base64
 from collections.abc import Mapping
@@ -14,21 +14,24 @@ from bokeh_validation.shaders.passes import SAMPLE_TYPES, Pass, is_linear
 
 
 def packed(image: Image) -> dict[str, object]:
-    """As page/job.js takes it."""
+    """Convert an image to the form that page/job.js takes."""
     data = None if image.pixels is None else base64.b64encode(image.pixels.tobytes()).decode("ascii")
     return {"size": image.size, "format": texture_format(image.storage, image.channels), "data": data}
 
 
 def unpacked(image: Mapping, storage: str) -> np.ndarray:
-    """(H, W, 4) in the type of `storage`: a half float that came as a float is the same number."""
+    """Convert an image from the page to (H, W, 4) in the type of `storage`.
+
+    Half floats may arrive as floats; the numbers are the same.
+    """
     data = np.frombuffer(base64.b64decode(image["data"]), np.float16 if "16" in image["format"] else np.float32)
     return data.reshape(*image["size"][::-1], 4).astype(STORAGE[storage])
 
 
 class BrowserDriver(Driver):
-    """What both share: the job as data. A subclass says which program a pass is.
+    """Implement what both drivers share: a job as data. A subclass describes the program of a pass.
 
-    adapter  part of the name of the software device that comes with Chromium, the only one there is
+    adapter  part of the device's name; the only device is the software one that comes with Chromium
     """
 
     def __init__(self, adapter: str | None = None):
@@ -42,14 +45,14 @@ class BrowserDriver(Driver):
 
     @property
     def session(self) -> browser.Session:
-        """The browser: after a crash, a new one."""
+        """Return the browser; after a crash, a new one."""
         return browser.session()
 
     def _program(self, item: Pass) -> dict[str, object]:
-        """What the page needs to know of a pass's program."""
+        """Return what the page needs to know of a pass's program."""
 
     def _shared(self) -> dict[str, object]:
-        """What is the same for all passes of a job."""
+        """Return what all passes of a job share."""
 
     def run(self, passes, textures, size, storage="half", keep=("result",)) -> dict[str, np.ndarray]:
         images, draws, numbers = flattened(self, passes, textures, size, storage)
@@ -68,7 +71,7 @@ class BrowserDriver(Driver):
 
 
 class WebGL2(BrowserDriver):
-    """GLSL ES 3.00 through ANGLE."""
+    """Run GLSL ES 3.00 through ANGLE."""
 
     name = "webgl2"
 
@@ -80,7 +83,7 @@ class WebGL2(BrowserDriver):
 
 
 class WebGPU(BrowserDriver):
-    """WGSL through tint and Dawn."""
+    """Run WGSL through Tint and Dawn."""
 
     name = "webgpu"
 

@@ -1,4 +1,4 @@
-"""WGSL on WebGPU (`wgpu`), and HLSL compiled by DXC to SPIR-V on the same runtime (`dxc`): lavapipe or a GPU."""
+"""Run WGSL on WebGPU (`wgpu`), and HLSL compiled by DXC to SPIR-V on the same runtime (`dxc`): lavapipe or a GPU."""
 
 import os
 from collections.abc import Callable, Mapping, Sequence
@@ -12,14 +12,14 @@ from bokeh_validation.errors import Unavailable
 from bokeh_validation.numerics.images import STORAGE
 from bokeh_validation.shaders.passes import BINDINGS, FIRST_SAMPLER, PARAMETERS, SAMPLE_TYPES, SLOTS, Pass
 
-# Bytes a pixel that all targets of a pass may have together; the name of WebGPU's limit. Its default, 32, is four
-# half-float targets, but two of 32 bits.
+# WebGPU's limit on the bytes per pixel of all targets of a pass together. Its default, 32, allows four half-float
+# targets, but only two of 32-bit floats.
 ATTACHMENT_BYTES = "max-color-attachment-bytes-per-sample"
 FILTERABLE = "float32-filterable"
 
 
 def _import():
-    """wgpu wants a runtime folder for Mesa, or Mesa complains on standard error."""
+    """Import wgpu with a runtime folder set, without which Mesa complains on standard error."""
     os.environ.setdefault("XDG_RUNTIME_DIR", "/tmp")
     import wgpu
 
@@ -27,9 +27,9 @@ def _import():
 
 
 def _choose(adapter: str | None):
-    """A GPU before a software device, or the adapter that has a part of its name.
+    """Choose a GPU, else a software device, or the adapter whose name contains `adapter`. Raises Unavailable.
 
-    Vulkan, Metal or Direct3D 12: the OpenGL backend lacks what the passes need.
+    Only Vulkan, Metal and Direct3D 12 are considered: the OpenGL backend lacks what the passes need.
     """
     adapters = [
         candidate
@@ -46,12 +46,12 @@ def _choose(adapter: str | None):
 
 
 def texture_format(storage: str, channels: int) -> str:
-    """WebGPU's name of it."""
+    """Return WebGPU's name of a format with 1 or 4 channels."""
     return {4: "rgba", 1: "r"}[channels] + {"half": "16float", "float": "32float"}[storage]
 
 
 class WGPU(DeviceDriver):
-    """WGSL: the program's text as it is, one module."""
+    """Run WGSL, with the text of all entries as one module."""
 
     name = "wgpu"
     install = needs.install("vulkan")
@@ -71,7 +71,10 @@ class WGPU(DeviceDriver):
         self._dummy = self.texture(Image.of("", np.zeros((1, 1, 4), np.float16)))
 
     def _make_layout(self):
-        """One layout for every pass: parameters, all texture slots, the sampler. Depth need not be filterable."""
+        """Create one bind group layout for every pass: parameters, all texture slots, the sampler.
+
+        Depth need not be filterable.
+        """
         stage = self.wgpu.ShaderStage.FRAGMENT
         entries = [{"binding": 0, "visibility": stage, "buffer": {"type": "uniform"}}]
         for slot, kind in SAMPLE_TYPES.items():
@@ -80,12 +83,13 @@ class WGPU(DeviceDriver):
         return self.device.create_bind_group_layout(entries=entries)
 
     def modules(self, item: Pass) -> tuple:
-        """(vertex module, fragment module, pipeline constants)."""
+        """Return (vertex module, fragment module, pipeline constants) of a pass."""
         module = self.module(shaders.wgsl() if item.sources is None else item.sources["wgsl"])
         return module, module, {name: float(value) for name, value in item.constants.items()}
 
     def make_pipeline(self, vertex: dict, fragment: dict, formats: Sequence[str]):
-        """A render pipeline of two stages, each {'module', 'entry_point', 'constants'}, with a target of each format.
+        """Create a render pipeline of two stages, each {'module', 'entry_point', 'constants'}, with a target per
+        format.
 
         Raises the device's GPUError or GPUPipelineError.
         """
@@ -97,7 +101,7 @@ class WGPU(DeviceDriver):
         )
 
     def pipeline(self, item: Pass, formats: Sequence[str]):
-        """Render pipeline of a pass into targets of these formats, cached."""
+        """Return the pipeline that draws a pass into targets of these formats; the latest PROGRAMS are cached."""
         key = (item.entry, str(item.constants), str(item.sources), *formats)
         if key not in self.programs:
             if len(self.programs) == PROGRAMS:
@@ -111,7 +115,7 @@ class WGPU(DeviceDriver):
         return self.programs[key]
 
     def texture(self, image: Image):
-        """WebGPU makes all textures with zeros in them."""
+        """Create a texture or a target; WebGPU initialises both to zeros."""
         usage = self.wgpu.TextureUsage
         use = usage.RENDER_ATTACHMENT | usage.COPY_SRC if image.pixels is None else usage.COPY_DST
         name = texture_format(image.storage, image.channels)
@@ -123,8 +127,8 @@ class WGPU(DeviceDriver):
         return texture
 
     def bind(self, item: Pass, bound: Mapping[str, object]):
-        """Bind group of a pass; slots it does not read get a dummy."""
-        values = np.zeros(-(-len(PARAMETERS) // 4) * 4, np.float32)  # a uniform block has a multiple of 16 bytes
+        """Create the bind group of a pass; slots that it does not read get a dummy texture."""
+        values = np.zeros(-(-len(PARAMETERS) // 4) * 4, np.float32)  # a uniform block is a multiple of 16 bytes
         values[: len(PARAMETERS)] = list(item.values().values())
         buffer = self.device.create_buffer_with_data(data=values.tobytes(), usage=self.wgpu.BufferUsage.UNIFORM)
         entries = [{"binding": 0, "resource": {"buffer": buffer, "offset": 0, "size": values.nbytes}}]
@@ -135,11 +139,11 @@ class WGPU(DeviceDriver):
         return self.device.create_bind_group(layout=self.layout, entries=entries)
 
     def step(self, draw: Draw, handles: Sequence) -> Callable:
-        """See DeviceDriver: what records the pass with an encoder."""
+        """Return a function that records the pass with an encoder; see DeviceDriver.step()."""
         targets = [handles[number] for number in draw.targets]
         pipeline = self.pipeline(draw.item, [target.format for target in targets])
         bindings = self.bind(draw.item, {slot: handles[number] for slot, number in draw.inputs.items()})
-        # what is around the area that is drawn stays
+        # load, to keep what is around the drawn area
         kept = {"load_op": "load", "store_op": "store"}
         attachments = [{"view": target.create_view(), **kept} for target in targets]
 
@@ -147,7 +151,7 @@ class WGPU(DeviceDriver):
             render = encoder.begin_render_pass(color_attachments=attachments)
             render.set_pipeline(pipeline)
             render.set_bind_group(0, bindings)
-            render.set_viewport(*draw.area, 0.0, 1.0)  # a triangle is clipped to it
+            render.set_viewport(*draw.area, 0.0, 1.0)  # clips the full-screen triangle
             render.draw(3)
             render.end()
 
@@ -166,7 +170,7 @@ class WGPU(DeviceDriver):
 
 
 class DXC(WGPU):
-    """HLSL, shader model 6, compiled by DXC to SPIR-V."""
+    """Run HLSL of shader model 6, compiled by DXC to SPIR-V."""
 
     name = "dxc"
 

@@ -1,1 +1,1 @@
-"""A method's frame as data: settings, passes, apertures, counts."""
+"""Hold what describes a method's frame as data: settings, passes, apertures, counts."""

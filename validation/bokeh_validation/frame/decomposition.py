@@ -1,7 +1,7 @@
-"""`validation/run aperture`: which line passes make a convex polygon with min: docs/methods/polygons.md.
+"""Split a convex polygon into line passes that make it with min: `validation/run aperture`, docs/methods/polygons.md.
 
-Polygons are (n, 2), x right and y down, in units of the circle of confusion (CoC), as the picture of a highlight shows
-them. Angles are in degrees, from +x towards +y.
+Polygons are (n, 2), x right and y down, in units of the circle of confusion (CoC), as seen in the image of a
+highlight. Angles are in degrees, from +x towards +y.
 """
 
 import json
@@ -18,24 +18,24 @@ from bokeh_validation.errors import UserError
 from bokeh_validation.frame import geometry
 from bokeh_validation.frame.aperture_shapes import direction, regular_polygon, rotated
 
-# CoC: how far a side may be moved out so that two are parallel or two chords equal. What rounding to three decimals
-# does to a side; a third of a pixel where the CoC is 150 pixels wide.
+# How far a side may be moved outwards to make two sides parallel or two chords equal, CoC. It is what rounding to
+# three decimals does to a side, and a third of a pixel for a CoC of 150 pixels.
 TOLERANCE = 0.002
-# CoC: places as near as this are the same.
+# Points this close to each other are the same, CoC.
 MERGED = 1e-6
 MAX_COORDINATE, MIN_WIDTH, MAX_DIRECTIONS = 2.0, 0.01, 12
 
 
 @dataclass(frozen=True)
 class LinePass:
-    """One line pass: the mean along a segment.
+    """Describe one line pass, which averages along a segment.
 
     angle     degrees
     length    CoC
-    center    middle of the segment of samples, (x, y) from the pixel, CoC. A highlight is shown where a pixel finds it,
-              on the other side of it: this is minus the place of the line in the picture of a highlight.
+    center    middle of the segment of samples, (x, y) from the pixel, CoC. A pixel sees a highlight on the opposite
+    side of itself, so this is minus the position of the line in the image of a highlight.
     reads     index of the pass whose result it reads; None: the CoC map
-    combines  index of the finished pass that min combines it with; None: none
+    combines  index of the finished pass that it is combined with by min; None: it is not combined
     """
 
     angle: float
@@ -45,7 +45,7 @@ class LinePass:
     combines: int | None = None
 
     def parameters(self) -> dict[str, float]:
-        """As the shaders name them."""
+        """Return the shaders' parameters for this line."""
         center_x, center_y = self.center
         return {
             "BokehAngle": radians(self.angle),
@@ -56,9 +56,10 @@ class LinePass:
 
 
 class Decomposition(NamedTuple):
-    """The passes of a polygon, in order, and what min leaves of the light of an isolated highlight.
+    """Hold the passes of a polygon in order, and how much of an isolated highlight's light min leaves.
 
-    `bound` is the most of it that any number of parallelograms leaves.
+    light  fraction of the light that these passes leave
+    bound  the largest fraction that any number of parallelograms could leave
     """
 
     passes: tuple[LinePass, ...]
@@ -67,9 +68,11 @@ class Decomposition(NamedTuple):
 
 
 class Strip(NamedTuple):
-    """Between two parallel lines that touch the polygon: their angle, and their places along `normal`, CoC.
+    """Describe the strip between two parallel lines that touch the polygon.
 
-    `free` is 'low' or 'high' where no side lies on that line, so that it may be farther out; else ''.
+    angle      degrees
+    low, high  positions of the two lines along `normal`, CoC
+    free       'low' or 'high' if no side of the polygon lies on that line, so that it may be moved outwards; else ''
     """
 
     angle: float
@@ -81,34 +84,40 @@ class Strip(NamedTuple):
     width = property(lambda self: self.high - self.low)
 
     def chord(self, along: "Strip") -> float:
-        """Length that it cuts out of a line along another strip: the side of their parallelogram, CoC."""
+        """Return the length of a line along another strip inside this one, CoC: a side of the parallelogram of both."""
         return self.width / abs(sin(radians(self.angle - along.angle)))
 
     def border(self, side: np.ndarray, tolerance: float) -> str:
-        """'low' or 'high' where a side (2, 2) of the polygon is on that line, else ''."""
+        """Return 'low' or 'high' if a side (2, 2) of the polygon lies on that line, else ''."""
         across = side @ self.normal
         if max(across) - self.low <= tolerance:
             return "low"
         return "high" if self.high - min(across) <= tolerance else ""
 
     def middle(self, width: float) -> float:
-        """Along `normal`, with the free line farther out; or both, where none is free: by less than the tolerance."""
+        """Return the centre along `normal` of a strip widened to `width`, CoC.
+
+        The free line moves outwards. If neither is free, both move, by less than the tolerance.
+        """
         middles = {"low": self.high - 0.5 * width, "high": self.low + 0.5 * width}
         return middles.get(self.free, 0.5 * (self.low + self.high))
 
 
-# Parallelograms that begin with the same line: the hub, the leaves, and the line's length
+# Parallelograms that share their first line: the shared strip (hub), the other strips (leaves), and the line's length
 Star = tuple[Strip, tuple[Strip, ...], float]
-# Stars, after what they cost: the largest area, then numbers that add up
+# A set of stars, preceded by its costs: the largest area, then costs that are summed over the stars
 Choice = tuple[float, tuple[int, ...], tuple[Star, ...]]
 
 
 def decompose(vertices: np.ndarray, rotation: float = 0.0, tolerance: float = TOLERANCE) -> Decomposition:
-    """The passes of a convex polygon (n, 2): the fewest; among those the most light; then the fewest parallelograms.
+    """Return the passes of a convex polygon (n, 2), as few as possible; among equals, those that keep the most light.
 
-    Where that leaves a choice: small parallelograms, shared lines along the axes of the image (samples on a slanting
-    line ripple), small angles. Turned by `rotation` afterwards, so that a turning iris does not flicker. Raises
-    UserError for what is no convex polygon, for more than MAX_DIRECTIONS, and for one too large or too thin.
+    rotation   degrees, applied after the choice, so that a rotating iris does not switch between solutions
+    tolerance  how far a side may be moved outwards, CoC
+
+    Further ties are broken by the number of parallelograms, small parallelograms, shared lines along the image's axes
+    (samples on a slanted line ripple) and small angles. Raises UserError if the polygon is not convex, has more than
+    MAX_DIRECTIONS directions of sides, or is too large or too thin.
     """
     polygon, tolerance = _checked(vertices), max(tolerance, MERGED)
     strips = strips_around(polygon, tolerance)
@@ -119,13 +128,13 @@ def decompose(vertices: np.ndarray, rotation: float = 0.0, tolerance: float = TO
     passes: list[LinePass] = []
     finished = None
     for hub, leaves, chord in stars:
-        # the shared line is centred on the pixel; all of the offset is in the second pass
+        # the shared line is centred on the pixel; the second pass has the whole offset
         shared = len(passes)
         passes.append(LinePass(hub.angle + rotation, chord))
         for leaf in leaves:
             width = max(leaf.width, chord * abs(sin(radians(leaf.angle - hub.angle))))
             middles = hub.middle(hub.width), leaf.middle(width)
-            # rounded, or it would print as -0 and 1e-17
+            # rounded to avoid -0 and 1e-17 in the output
             center = np.round(-np.linalg.solve(np.array([hub.normal, leaf.normal]), middles), 12)
             center = tuple(map(float, np.round(rotated(center, rotation), 12) + 0.0))
             passes.append(LinePass(leaf.angle + rotation, hub.chord(leaf), center, shared, finished))
@@ -137,7 +146,7 @@ def decompose(vertices: np.ndarray, rotation: float = 0.0, tolerance: float = TO
 
 
 def _checked(vertices: np.ndarray) -> np.ndarray:
-    """The polygon without repeated corners. Raises UserError."""
+    """Return the polygon without repeated corners. Raises UserError if it is too large or not convex."""
     polygon = np.array(list(dict.fromkeys(map(tuple, np.asarray(vertices, float).tolist()))))
     if len(polygon) < 3 or not (abs(polygon) <= MAX_COORDINATE).all():
         advice = f"Give three or more, x and y up to {MAX_COORDINATE:g}: the unit is the CoC, 1 = its diameter."
@@ -151,16 +160,20 @@ def _checked(vertices: np.ndarray) -> np.ndarray:
 
 
 def strips_around(polygon: np.ndarray, tolerance: float) -> list[Strip]:
-    """One for each direction of the sides, by angle: sides on the borders of one strip have a direction in common."""
+    """Return one strip for each direction of the polygon's sides, sorted by angle.
+
+    Two sides on the borders of the same strip share a direction.
+    """
     ends = np.stack([polygon, np.roll(polygon, -1, axis=0)], axis=1)
     lengths = np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1)
     strips: list[Strip] = []
-    # the longest first: its ends would be moved most
+    # the longest side first, because its ends would have to move farthest
     for side in ends[np.argsort(-lengths.round(9), kind="stable")]:
         if any(strip.border(side, tolerance) for strip in strips):
             continue
         x, y = side[1] - side[0]
-        # rounded before the remainder is taken, so that it does not depend on the direction in which a side is walked
+        # rounded before the remainder, so that the result does not depend on the direction in which the side is
+        # traversed
         angle = round(float(np.degrees(np.arctan2(y, x))), 10) % 180.0
         places = polygon @ Strip(angle, 0.0, 0.0).normal
         strip = Strip(angle, float(places.min()), float(places.max()))
@@ -170,14 +183,17 @@ def strips_around(polygon: np.ndarray, tolerance: float) -> list[Strip]:
 
 
 def _stars(strips: list[Strip], tolerance: float) -> tuple[Star, ...]:
-    """The groups that share out the directions; with one direction in two of them where there is no other way.
+    """Return the cheapest stars that cover all directions; one direction is used twice if there is no other way.
 
-    All divisions are tried, each set of directions once: some 3^11 steps for 12 directions, a few seconds.
+    All partitions are tried, each set of directions once: about 3^11 steps for 12 directions, a few seconds.
     """
 
     @cache
     def star(members: tuple[Strip, ...]) -> Choice | None:
-        """With the best of them as the hub, if the leaves have one chord along it, or can be widened to it."""
+        """Return the cheapest star of these strips, or None if no strip can be its hub.
+
+        A strip can be the hub if all others have the same chord along it, or can be widened to it.
+        """
         choices = []
         for hub in set(members):
             leaves = tuple(strip for strip in members if strip != hub)
@@ -185,14 +201,14 @@ def _stars(strips: list[Strip], tolerance: float) -> tuple[Star, ...]:
             fits = all(leaf.free or longest - leaf.chord(hub) <= tolerance for leaf in leaves)
             if fits and len(set(leaves)) == len(members) - 1:
                 area, count, slant = longest * hub.width, len(leaves), abs((hub.angle + 45.0) % 90.0 - 45.0)
-                # rounded, so that noise does not decide between equals
+                # rounded, so that rounding errors do not decide between equals
                 costs = count, *(round(1e6 * cost) for cost in (area * count, slant * count, hub.angle))
                 choices.append((round(area, 9), costs, ((hub, leaves, longest),)))
         return min(choices, default=None)
 
     @cache
     def best(left: tuple[Strip, ...]) -> Choice | None:
-        """The cheapest stars that have each of these directions as often as it is in `left`."""
+        """Return the cheapest set of stars that uses each strip as often as it occurs in `left`, or None."""
         if not left:
             return 0.0, (0, 0, 0, 0), ()
         choices = []
@@ -238,7 +254,7 @@ def aperture(
 
 
 def parsed(text: str) -> np.ndarray:
-    """Corners (n, 2) from 'x,y x,y ...'. Raises UserError."""
+    """Parse 'x,y x,y ...' into corners (n, 2). Raises UserError."""
     try:
         corners = [(float(x), float(y)) for x, y in (corner.split(",") for corner in text.split())]
     except ValueError:

@@ -1,4 +1,4 @@
-"""Analytic apertures: polygons as corner lists (N, 2), x right and y down, and their coverage of pixels."""
+"""Compute with polygons, given as corners (N, 2), x right and y down, and with their coverage of pixels."""
 
 from collections.abc import Iterator
 
@@ -8,13 +8,15 @@ SUBPIXELS = 8
 
 
 def _sides(polygon: np.ndarray) -> Iterator[tuple[np.ndarray, np.ndarray]]:
-    """(start, edge) of each side; inside is where the cross product of the edge with place - start is above 0."""
+    """Return (start, edge vector) of each side; a point is inside where the cross product of edge and point - start is
+    positive.
+    """
     polygon = polygon if signed_area(polygon) > 0 else polygon[::-1]
     return zip(polygon, np.roll(polygon, -1, axis=0) - polygon, strict=True)
 
 
 def clip_convex(subject: np.ndarray, clip: np.ndarray) -> np.ndarray:
-    """Intersection of two convex polygons (Sutherland-Hodgman)."""
+    """Return the intersection of two convex polygons, (N, 2), by Sutherland-Hodgman clipping."""
     corners = np.asarray(subject, float)
     for start, edge in _sides(clip):
         offs = edge[0] * (corners[:, 1] - start[1]) - edge[1] * (corners[:, 0] - start[0])
@@ -30,18 +32,18 @@ def clip_convex(subject: np.ndarray, clip: np.ndarray) -> np.ndarray:
 
 
 def signed_area(polygon: np.ndarray) -> float:
-    """Area; positive where the corners run from +x towards +y."""
+    """Return the area; positive if the corners run from +x towards +y."""
     x, y = polygon[:, 0], polygon[:, 1]
     return 0.5 * float(np.sum(x * np.roll(y, -1) - np.roll(x, -1) * y))
 
 
 def perimeter(polygon: np.ndarray) -> float:
-    """Length of the boundary."""
+    """Return the length of the boundary."""
     return float(np.linalg.norm(polygon - np.roll(polygon, 1, axis=0), axis=1).sum())
 
 
 def inside(polygon: np.ndarray, x: np.ndarray, y: np.ndarray) -> np.ndarray:
-    """Which places are in a convex polygon or on its edge, bool in the shape of x and y."""
+    """Return whether points are inside a convex polygon or on its edge, bool in the shape of x and y."""
     within = np.ones(np.broadcast(x, y).shape, bool)
     for start, edge in _sides(polygon):
         within &= edge[0] * (y - start[1]) - edge[1] * (x - start[0]) >= 0
@@ -49,9 +51,10 @@ def inside(polygon: np.ndarray, x: np.ndarray, y: np.ndarray) -> np.ndarray:
 
 
 def coverage(polygon: np.ndarray, size: tuple[int, int], center: tuple[float, float]) -> np.ndarray:
-    """Share of each pixel that a convex polygon covers, (H, W), from SUBPIXELS^2 points a pixel.
+    """Return the fraction of each pixel that a convex polygon covers, (H, W), from SUBPIXELS^2 points per pixel.
 
-    center  where the polygon's origin is, in pixels from the image's corner (pixel centres at .5)
+    size    (width, height) of the image, pixels
+    center  position of the polygon's origin, pixels from the image's corner (pixel centres at .5)
     """
     width, height = size
     x = (np.arange(width * SUBPIXELS) + 0.5) / SUBPIXELS - center[0]
@@ -60,7 +63,11 @@ def coverage(polygon: np.ndarray, size: tuple[int, int], center: tuple[float, fl
 
 
 def turn_between(weights: np.ndarray, others: np.ndarray, center: tuple[float, float], folds: int) -> float:
-    """Smallest turn between two pictures of a shape with `folds`-fold symmetry, degrees: that of their moments."""
+    """Return the smallest rotation between two images (H, W) of a shape with `folds`-fold symmetry, degrees, from
+    their moments.
+
+    center  of the rotation, pixels from the image's corner
+    """
     height, width = weights.shape
     y, x = np.mgrid[0:height, 0:width] + 0.5
     moment = ((x - center[0]) + 1j * (y - center[1])) ** folds

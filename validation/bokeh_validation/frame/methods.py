@@ -1,4 +1,4 @@
-"""The workflows of Figure 10 and the naive gather, as lists of passes."""
+"""List the passes of each method: Figure 10's workflows, the exact and layered methods, and the naive gather."""
 
 from collections.abc import Sequence
 from dataclasses import astuple, dataclass, field, replace
@@ -14,22 +14,22 @@ from bokeh_validation.shaders.passes import PAPER_SAMPLES, USUAL_SPACING, Pass
 # The shaders' names for the fields of Camera, in the same order
 LENS = ("BokehApertureDiameter", "BokehFocalLength", "BokehFocusDistance", "BokehSensorHeight", "BokehMaxCoC")
 FOCUS = {"Range": ("Front", "Back"), "Scale": ("Near", "Far"), "MaxCoC": ("Near", "Far")}
-# Preset of layered -> rings of its gather, samples on an edge of its layers, cubic enlargement
+# Preset of layered -> rings of the gather, samples on an edge of the layers, whether layers are enlarged bicubically
 PRESET_CONSTANTS = ("BOKEH_LAYER_RINGS", "BOKEH_LAYER_SAMPLES", "BOKEH_LAYER_CUBIC")
 PRESETS = {"low": (1, 11, 0), "medium": (2, 11, 1), "high": (3, 18, 1), "ultra": (4, 18, 1)}
-# Of exact -> samples on a line at most, pixels between them
+# Preset of exact -> maximum number of samples on a line, pixels between them
 EXACT_CONSTANTS = ("BOKEH_NUM_SAMPLES", "BOKEH_SPACING")
 EXACT_PRESETS = {"low": (5, 2.0), "medium": (9, USUAL_SPACING), "high": (17, 1.0), "ultra": (33, 1.0)}
-# With spacing, where nobody says
+# Maximum number of samples on a line with a given spacing, unless the settings say otherwise
 MOST_SAMPLES = 65
 # An edge is shorter than the line of a parallelogram that makes the same polygon by min: 1/2 of it in the hexagon,
-# 1/2.41 in the octagon. So many samples on it are at least as close to each other as 13 on that line.
+# 1/2.41 in the octagon. These counts space the samples of an edge at most as far apart as 13 samples on that line.
 EDGE_SAMPLES = {"square": 13, "hexagon": 7, "octagon": 6, "decagon": 5}
 
 
 @dataclass(frozen=True)
 class Camera:
-    """Thin lens and sensor, metres; max_coc is a fraction of the image height."""
+    """Describe a thin lens and sensor in metres; max_coc is a fraction of the image height."""
 
     aperture_diameter: float = 0.05
     focal_length: float = 0.05
@@ -38,17 +38,17 @@ class Camera:
     max_coc: float = 0.1
 
     def parameters(self) -> dict[str, float]:
-        """As the shaders name them."""
+        """Return the shaders' parameters for this camera."""
         return dict(zip(LENS, astuple(self), strict=True))
 
 
 @dataclass(frozen=True)
 class Focus:
-    """What the CoC map can do with BOKEH_FOCUS_CONTROLS 1; (in front of the focus, behind it).
+    """Hold the CoC map's focus controls (BOKEH_FOCUS_CONTROLS 1), each as (in front of the focus, behind it).
 
-    sharp   metres from the focus distance that stay sharp
-    scale   factors of the CoC
-    limits  of the CoC, fractions of the image height
+    sharp   distance from the focus that stays sharp, metres
+    scale   factors applied to the CoC
+    limits  maximum CoC, fractions of the image height
     """
 
     sharp: tuple[float, float] = (0.0, 0.0)
@@ -56,28 +56,29 @@ class Focus:
     limits: tuple[float, float] = (1.0, 1.0)
 
     def parameters(self) -> dict[str, float]:
-        """As the shaders name them."""
+        """Return the shaders' parameters for these controls."""
         names = [f"Bokeh{side}{what}" for what, sides in FOCUS.items() for side in sides]
         return dict(zip(names, (*self.sharp, *self.scale, *self.limits), strict=True))
 
 
 @dataclass(frozen=True)
 class Settings:
-    """What to render.
+    """Describe what to render.
 
-    samples      on a line, with spacing at most; default: see `count`
-    coc          a constant CoC (fraction of the image height) instead of one from depth
-    spacing      pixels between samples, as many samples as the CoC needs; 0: a fixed number of samples; default: exact
-                 has its preset's, all others 0
-    jitter       amount of noise on the samples' places, 0 .. 1, where they are farther apart than a pixel
-    frame        number of the frame: the noise is another in each
-    squeeze      width of the bokeh over its height
-    cats_eye     share of the bokeh's width that the lens barrel cuts off in the corners; exact and layered only
-    roundness    of octagons in the same: 0 a square, 1 regular
-    lateral      how much larger red of the finished picture is than green, and blue smaller
-    use_mrt      whether a pass may write several targets; exact and layered only
-    preset       of exact and layered, one of PRESETS; for exact it counts where neither samples nor spacing is given
-    focus        BOKEH_FOCUS_CONTROLS: (front, back) range in metres, scales, limits; None: without
+    samples    on a line; the maximum if a spacing is given; default: see `count`
+    rotation   of the polygon, degrees
+    coc        a constant CoC, fraction of the image height, that replaces the one from depth
+    spacing    pixels between samples, so that the CoC determines their number; 0: a fixed number of samples; default:
+    the preset's for exact, 0 for all others
+    jitter     amount of random sample offsets, 0 to 1, where samples are more than a pixel apart
+    frame      number of the frame, which the random offsets depend on
+    squeeze    width of the bokeh over its height
+    cats_eye   fraction of the bokeh's width that the lens barrel cuts off in the corners; exact and layered only
+    roundness  of octagons in exact and layered: 0 a square, 1 regular
+    lateral    how much larger red is than green in the finished image; blue is smaller by as much
+    use_mrt    whether a pass may write several targets; exact and layered only
+    preset     of exact and layered, one of PRESETS; exact ignores it if samples or spacing are given
+    focus      BOKEH_FOCUS_CONTROLS; None: off
     """
 
     method: str = "paper"
@@ -103,12 +104,12 @@ class Settings:
 
     @property
     def has_preset(self) -> bool:
-        """Whether samples of `exact` are those of its preset."""
+        """Return whether the preset determines the samples of `exact`."""
         return self.method == "exact" and self.samples is None and self.spacing is None
 
     @property
     def count(self) -> int:
-        """Samples on a line: by default those of the preset, or 13, as in the paper's section 4.3."""
+        """Return the samples on a line: the preset's by default, or 13 as in section 4.3 of the paper."""
         if self.samples is not None:
             return self.samples
         if self.has_preset:
@@ -120,9 +121,9 @@ class Settings:
 
 @dataclass(frozen=True)
 class Plan:
-    """Passes, the tables they need beside colour and depth, and the name of the result.
+    """Hold the passes of a frame, the tables that they read, and the name of the result.
 
-    Textures 'color' (H, W, 4) and 'depth' (H, W) are to be handed in with `tables`.
+    The textures 'color' (H, W, 4) and 'depth' (H, W) are to be supplied along with `tables`.
     """
 
     passes: tuple[Pass, ...]
@@ -142,7 +143,7 @@ def _coc_pass(settings: Settings, size: tuple[int, int], entry: str = "BokehCoCM
 
 
 def _filter_parameters(settings: Settings, size: tuple[int, int]) -> dict[str, float]:
-    # programs without it have no code for it
+    # without these parameters the programs are compiled without the code for them
     character = {"BokehCatsEye": settings.cats_eye, "BokehRoundness": settings.roundness}
     character = character if settings.cats_eye > 0.0 or settings.roundness < 1.0 else {}
     return character | {
@@ -160,9 +161,9 @@ def _filter_parameters(settings: Settings, size: tuple[int, int]) -> dict[str, f
 
 
 def paper(settings: Settings, size: tuple[int, int]) -> Plan:
-    """Listings 1 to 4. `size` is (width, height) in pixels.
+    """Return the plan of the paper's method, Listings 1 to 4. `size` is (width, height) in pixels.
 
-    Pass k writes 'line k'; the last one writes 'result'. A line that two parallelograms begin with is drawn once.
+    Pass k writes 'line k'; the last one writes 'result'. A first line that two parallelograms share is drawn once.
     """
     if settings.aperture in aperture_shapes.POLYGONS:
         return paper_polygon(
@@ -182,9 +183,10 @@ def paper(settings: Settings, size: tuple[int, int]) -> Plan:
 
 
 def paper_polygon(corners: np.ndarray, settings: Settings, size: tuple[int, int]) -> Plan:
-    """The paper's method for a convex polygon (n, 2), units of the CoC; `settings.aperture` is not looked at.
+    """Return the paper's plan for a convex polygon (n, 2) in units of the CoC; `settings.aperture` is ignored.
 
-    Names are those of `paper`. The entries are the adaptive ones, which take lines of any length beside the pixel.
+    Textures are named as in `paper`. The passes are the adaptive ones, whose lines may have any length and need not be
+    centred on the pixel.
     """
     return _line_passes(settings, size, "BokehAdaptive", decompose(corners, settings.rotation).passes)
 
@@ -192,7 +194,7 @@ def paper_polygon(corners: np.ndarray, settings: Settings, size: tuple[int, int]
 def _line_passes(
     settings: Settings, size: tuple[int, int], entry: str, lines: Sequence[LinePass], use_max: bool = False
 ) -> Plan:
-    """The CoC map and the lines, each of these with noise of its own."""
+    """Return the plan of the CoC map and the lines; every line has its own random offsets."""
     common = _filter_parameters(settings, size)
     names = [f"line {number}" for number in range(1, len(lines))] + ["result"]
     passes = [_coc_pass(settings, size)]
@@ -206,10 +208,11 @@ def _line_passes(
 
 
 def exact(settings: Settings, size: tuple[int, int]) -> Plan:
-    """Polygons with an even number of sides, added up from parallelograms: docs/methods/exact.md.
+    """Return the plan of the exact method, which sums parallelograms to polygons with an even number of sides:
+    docs/methods/exact.md.
 
-    The first pass writes 'strip 2' .. 'strip n', n = sides / 2: at once, or one after the other without several
-    targets. The second pass writes 'result'.
+    The first pass writes 'strip 2' to 'strip n', n = sides / 2, or one pass per strip without multiple render targets.
+    The second pass writes 'result'.
     """
     sides = EXACT[settings.aperture]
     stem = f"Bokeh{settings.aperture.capitalize()}"
@@ -230,7 +233,9 @@ def exact(settings: Settings, size: tuple[int, int]) -> Plan:
 
 
 def _layer_constants(settings: Settings, size: tuple[int, int]) -> tuple[dict, dict, dict]:
-    """Return what the passes of `layered` have in common: parameters, constants, and constants of a regular polygon."""
+    """Return what the passes of `layered` share: parameters, constants, and the additional constants for a regular
+    polygon.
+    """
     sides = EXACT[settings.aperture]
     defines = dict(zip(PRESET_CONSTANTS, PRESETS[settings.preset], strict=True))
     common = _filter_parameters(settings, size) | {
@@ -238,15 +243,17 @@ def _layer_constants(settings: Settings, size: tuple[int, int]) -> tuple[dict, d
         "BokehAngle": radians(settings.rotation),
         "BokehSides": float(sides),
     }
-    # where the polygon is the same at every pixel, the passes that sample rings of it have their loops written out
+    # if the polygon is the same at every pixel, the passes that sample rings of it are compiled for a constant number
+    # of sides, so that their loops are unrolled
     is_regular = settings.cats_eye == 0.0 and settings.roundness == 1.0
     return common, defines, {"BOKEH_SIDES": sides} if is_regular else {}
 
 
 def layered(settings: Settings, size: tuple[int, int]) -> Plan:
-    """Near and far layers at half size and a small gather of the rest: bokeh_layers.*. The last pass writes 'result'.
+    """Return the plan of the layered method: near and far layers at half size, and a gather of the rest
+    (bokeh_layers.*).
 
-    Without several targets, a pass of several is drawn once for each.
+    The last pass writes 'result'. Without multiple render targets, a pass with several targets is drawn once for each.
     """
     sides = EXACT[settings.aperture]
     stem = f"Bokeh{settings.aperture.capitalize()}Layer"
@@ -283,16 +290,16 @@ def layered(settings: Settings, size: tuple[int, int]) -> Plan:
     for index, (layer, names) in enumerate(blurred.items()):
         inputs, outputs, values = (layer, f"{layer} quarter"), (f"{layer} blurred",), {"BokehLayer": float(index)}
         if together:
-            # near, far of edge 2, then of edge 3
+            # near and far of strip 2, then near and far of strip 3
             names = [name for pair in zip(*blurred.values(), strict=True) for name in pair]
             inputs, values = (layers[0], quarters[0], layers[1], quarters[1]), {}
             outputs = ("near blurred", "far blurred")
         add(2, stem + "First", (*inputs, blurs), tuple(names), **values)
         second = stem + "Second"
         if not settings.use_mrt:
-            # one program for all polygons: it does not read the last strip again
+            # one program for all polygons, which needs a texture in every slot: the last strip fills the unused ones
             second, names = "BokehLayerSecondOne", names + names[-1:] * 3
-        # the CoC are in the fifth slot, whatever the number of strips
+        # the layer CoC is in the fifth slot, whatever the number of strips
         read = dict(zip(COLORS, names[:4], strict=False)) | {"ColorSampE": blurs}
         passes.append(Pass(second, read, outputs, common | values, settings.count, defines, scale=2))
         if together:
@@ -302,7 +309,7 @@ def layered(settings: Settings, size: tuple[int, int]) -> Plan:
 
 
 def naive(settings: Settings, size: tuple[int, int]) -> Plan:
-    """Section 3: one gather with the aperture's table of offsets."""
+    """Return the plan of one gather with the aperture's table of offsets (section 3)."""
     table = aperture_shapes.kernel(settings.aperture, settings.count, settings.rotation)
     inputs = {"ColorSamp": "coc", "DepthSamp": "depth", "KernelSamp": "kernel"}
     gather = Pass("BokehNaiveGather", inputs, "result", _filter_parameters(settings, size), len(table))
@@ -310,7 +317,11 @@ def naive(settings: Settings, size: tuple[int, int]) -> Plan:
 
 
 def naive_grid(settings: Settings, size: tuple[int, int]) -> Plan:
-    """Section 3 over a samples x samples grid of the aperture's first parallelogram, offsets computed (Table 1)."""
+    """Return the plan of a gather over a samples x samples grid of the aperture's first parallelogram (section 3,
+    Table 1).
+
+    The shader computes the offsets; there is no table.
+    """
     shape = aperture_shapes.PARALLELOGRAMS[settings.aperture][0]
     angles = [radians(angle + settings.rotation) for angle in (shape.first, shape.second)]
     parameters = _filter_parameters(settings, size) | dict(zip(("BokehAngle", "BokehAngleB"), angles, strict=True))
@@ -319,10 +330,10 @@ def naive_grid(settings: Settings, size: tuple[int, int]) -> Plan:
 
 
 def steadied(full: Plan, size: tuple[int, int], blend: float) -> Plan:
-    """A plan whose CoC map, 'coc', is made steady.
+    """Return the plan with a pass that stabilises its CoC map, 'coc', over time.
 
-    It reads 'history', which is 'coc' of the frame before, and 'velocity', how far each pixel has come since then, uv.
-    `blend` is the share of this frame, 1 where there is none before.
+    That pass reads 'history', which is 'coc' of the previous frame, and 'velocity', how far each pixel has moved since
+    then in uv. `blend` is the weight of this frame, 1 if there is no previous one.
     """
     first, *others = full.passes
     inputs = {"ColorSamp": "new coc", "ColorSampB": "history", "ColorSampC": "velocity"}
@@ -332,7 +343,7 @@ def steadied(full: Plan, size: tuple[int, int], blend: float) -> Plan:
 
 
 def in_viewport(full: Plan, viewport: tuple[int, int, int, int], size: tuple[int, int]) -> Plan:
-    """A plan for an image that is a part of its textures.
+    """Return the plan for an image that fills only a part of its textures.
 
     viewport  (x, y, width, height) of the image, texels; `full` was made for its width and height
     size      (width, height) of the textures and targets
@@ -344,7 +355,7 @@ def in_viewport(full: Plan, viewport: tuple[int, int, int, int], size: tuple[int
 
 
 def kernel_texture(table: np.ndarray) -> np.ndarray:
-    """Offsets (N, 2) as an N x 1 texture, float32 (1, N, 4), rg = offset."""
+    """Convert offsets (N, 2) to an N x 1 texture, float32 (1, N, 4), with the offset in rg."""
     return np.pad(table, ((0, 0), (0, 2)))[None].astype(np.float32)
 
 
@@ -352,7 +363,7 @@ METHODS = {"paper": paper, "exact": exact, "layered": layered, "naive": naive, "
 
 
 def plan(settings: Settings, size: tuple[int, int]) -> Plan:
-    """The passes of `settings.method`, and lateral colour after them."""
+    """Return the plan of `settings.method`, followed by the pass for lateral colour if that is used."""
     planned = METHODS[settings.method](settings, size)
     if settings.lateral == 0.0:
         return planned

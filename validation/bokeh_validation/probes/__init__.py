@@ -1,6 +1,6 @@
-"""Test images, each with what it must show: drawn by tests/shaders/test_probes.py.
+"""Collect the probes: test images, each with what it must show. tests/shaders/test_probes.py draws them.
 
-PROBES  all of them in the order of the report
+PROBES  all of them, in the order of the report
 """
 
 from bokeh_validation import drivers

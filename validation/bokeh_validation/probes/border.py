@@ -1,5 +1,6 @@
-"""A light that leaves the picture: without a guard band it flashes, since what is read beyond the border is its last
-row or column once more.
+"""Probe a light that leaves the image.
+
+Without a guard band it flashes: reads beyond the border return the last row or column again.
 """
 
 from collections.abc import Mapping
@@ -10,12 +11,16 @@ from bokeh_validation.probes.model import Case, Check, Outputs, Probe, depth_of,
 SIZE, GUARD = (240, 160), 24
 COC = 40  # pixels
 LIGHT, SIDE = 100.0, 4
-# two stores of half floats, and the linear filter's share of a place that is off by 1e-5 of a pixel
+# two stores in half floats, and the linear filter's error for a position off by 1e-5 of a pixel
 STEPS = 2.0**-9
 
 
 def _case(label: str, guard: int, column: int) -> Case:
-    """A light of SIDE x SIDE pixels whose first column is that of the picture, of which `guard` more is drawn."""
+    """Return a case with a light of SIDE x SIDE pixels in the middle row.
+
+    guard   pixels drawn beyond each border of the visible image
+    column  first column of the light in the visible image
+    """
     size = SIZE[0] + 2 * guard, SIZE[1] + 2 * guard
     color = flat(size)
     top, left = size[1] // 2, guard + column
@@ -29,7 +34,7 @@ def _judge(outputs: Mapping[str, Outputs]) -> list[Check]:
         label: outputs[label]["result"][guard : guard + SIZE[1], guard : guard + SIZE[0], 1]
         for label, guard in (("in the middle", 0), ("without", 0), ("with", GUARD))
     }
-    # what a light in the middle shows right of its own first column
+    # what the light in the middle shows to the right of its first column
     half = shown["in the middle"][:, SIZE[0] // 2 :]
     peak, light = half.max(), half.sum()
     repeated = "the light's columns count again for each one that is read beyond the border"

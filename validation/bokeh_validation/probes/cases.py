@@ -1,6 +1,6 @@
-"""Named settings of a frame, tagged with what uses them.
+"""Name settings of a frame and tag them with what uses them.
 
-Tests and commands choose by tag. Images are another matter: coverage_frames.py, and each test's own.
+Tests and commands choose settings by tag. The images come from elsewhere: coverage_frames.py, or the test itself.
 """
 
 from collections.abc import Sequence
@@ -10,32 +10,32 @@ from bokeh_validation.frame import methods
 from bokeh_validation.frame.methods import Camera, Settings
 from bokeh_validation.probes import near_edges
 
-# Every entry but BokehLinearDepth, BokehDebug and BokehStableMap, with the parameters away from their defaults
+# Every entry except BokehLinearDepth, BokehDebug and BokehStableMap, with parameters away from their defaults
 ENTRIES = "entries"
-# Drawn by `check` and by mutants: the entries, and every switch and branch that settings reach
+# Drawn by `check` and by mutants: every entry, and every switch and branch that settings can reach
 COVERAGE = "coverage"
-# Drawn by `check` and mutants as a part of larger textures too
+# Also drawn by `check` and mutants as an image inside larger textures
 PART = "part"
-# Drawn with NaN around a part of the textures: test_viewport.py
+# Drawn as an image inside textures of NaN: test_viewport.py
 VIEWPORT = "viewport"
-# Given colour and depth that no renderer should hand over: test_invalid_input.py
+# Given colour and depth that no renderer should supply: test_invalid_input.py
 BAD_INPUT = "bad input"
-# Held pass by pass to pictures in the repository: test_expected.py
+# Compared pass by pass with images in the repository: test_expected.py
 EXPECTED = "expected"
-# Drawn by an engine of the test's own from the frame as JSON: test_frame.py
+# Drawn by the test's own small engine from the frame's JSON: test_frame.py
 JSON = "json"
 
 
 @dataclass(frozen=True)
 class NamedSettings:
-    """Settings with a name and the tags that they are chosen by."""
+    """Hold settings with their name and tags."""
 
     name: str
     settings: Settings
     tags: frozenset[str]
 
 
-# Away from every default
+# Every parameter away from its default
 ALL = {
     "rotation": 17.0,
     "squeeze": 0.7,
@@ -43,19 +43,20 @@ ALL = {
     "bleeding_mult": 30.0,
     "camera": Camera(0.12, 0.05, 4.0, sensor_height=0.02, max_coc=0.25),
 }
-# The spacing is no preset's: with one of those it would not show that nobody reads the parameter
+# The spacing differs from every preset's; otherwise an unread parameter would go unnoticed
 ADAPTIVE = {"spacing": 1.25, "jitter": 1.0, "frame": 61}
 CUT = {"cats_eye": 0.7, "roundness": 0.5}
 FOCUS = methods.Focus((0.5, 1.0), (0.75, 0.5), (0.0625, 0.03125))
-WIDE = {"camera": Camera(1.8, 0.05, 8.0, max_coc=0.5)}  # near and far layers of up to 25 pixels of 50
+WIDE = {"camera": Camera(1.8, 0.05, 8.0, max_coc=0.5)}  # near and far layers of up to 25 pixels in 50 rows
 WIDEST = {"camera": Camera(1.8, 0.05, 8.0, max_coc=1.0)}
 PAPER, EXACT = Settings("paper", "hexagon", 5, **ALL), Settings("exact", "hexagon", 5, **ALL)
 LAYERED = Settings("layered", "hexagon", 5, jitter=0.5, frame=3, **ALL)
 CAMERA = Camera(0.1, 0.05, 4.0, max_coc=0.3)
-# both layers full: near CoC of up to 25 pixels, far ones of up to 17
+# fills both layers: near CoC of up to 25 pixels, far CoC of up to 17
 BOTH_FULL = Camera(3.3, 0.05, 8.0, max_coc=0.9)
-# a CoC that is in part in a layer, or spreads a little, pixels: a near layer sets in from 6 to 12, its share is between
-# none and all from 8.4 to 9.6; a far one sets in from 10 to 16, its share from 12.4 to 13.6. One in the middle of each.
+# CoC in pixels with a layer weight between 0 and 1, or that barely spread. A near layer begins between 6 and 12
+# pixels, with its weight ramping from 8.4 to 9.6; a far layer between 10 and 16, ramping from 12.4 to 13.6. -9 and 13
+# are in the middle of the ramps.
 PLANES = (-11.0, -9.0, 3.0, 11.0, 13.0, 14.0)
 WIDE_PLANES = (-90.0, 60.0, 90.0)
 
@@ -87,7 +88,7 @@ CASES = (
     ),
     _named("exact, preset", [ENTRIES, VIEWPORT, BAD_INPUT], EXACT, samples=None),
     _named("lateral", [ENTRIES, PART, VIEWPORT, JSON], EXACT, lateral=0.02),
-    # wide first: what blurs a layer runs only where there is one
+    # wide settings first: the passes that blur a layer run only if there is one
     _named("layered square", [ENTRIES, VIEWPORT], LAYERED, aperture="square", **WIDE),
     _named("layered hexagon", [ENTRIES, PART, VIEWPORT, BAD_INPUT], LAYERED, **WIDE),
     _named("layered octagon", [ENTRIES], LAYERED, aperture="octagon", **WIDE),
@@ -158,7 +159,7 @@ CASES = (
 
 
 def tagged(tag: str, camera: Camera | None = None) -> dict[str, Settings]:
-    """Return the settings with a tag by name, with another camera where one is given."""
+    """Return name -> settings with a tag, optionally with another camera."""
     found = {case.name: case.settings for case in CASES if tag in case.tags}
     return {name: replace(settings, camera=camera) for name, settings in found.items()} if camera else found
 
@@ -168,7 +169,7 @@ def tagged(tag: str, camera: Camera | None = None) -> dict[str, Settings]:
 # ----------------------------------------------------------------------------------------------------------------------
 
 PLAIN = ("paper", "exact", "naive", "naive-grid")
-# of every method but layered
+# for every method except layered
 COMMON = [
     {"samples": 2},
     {"samples": 3},
@@ -199,7 +200,7 @@ POLYGONS = [
     {"use_mrt": False},
     {"samples": 4, "jitter": 0.5},
     {"spacing": 1.0, "use_mrt": False, "jitter": 1.0, "samples": 6},
-    # squeezed edges have different lengths and numbers of samples: each line is worth its area all the same
+    # squeezed edges differ in length and sample count, but each line must still be weighted by its area
     {"coc": 0.5, "camera": Camera(max_coc=1.0), "spacing": 1.0, "squeeze": 0.3, "rotation": 20.0},
 ]
 CUTS = [
@@ -210,7 +211,7 @@ CUTS = [
     {"cats_eye": 0.3, "spacing": 1.0},
     {"cats_eye": 5.0},
 ]
-# far layers of 25 pixels, where the lengths of the edges show
+# far layers of 25 pixels, wide enough for the lengths of the edges to show
 WIDE_FAR = Camera(0.4, 0.05, 4.0, max_coc=0.5)
 CUT_LAYERS = [
     {"rotation": 17.0},
@@ -220,7 +221,7 @@ CUT_LAYERS = [
     {"camera": WIDE_FAR, "rotation": 17.0, "cats_eye": 0.9},
     {"camera": WIDE_FAR, "aperture": "decagon", "use_mrt": False, "cats_eye": 0.9},
 ]
-# A focus between the depths: near CoC up to 25 pixels of 50 rows, far ones up to 17, so that both layers are full
+# A focus between the depths: near CoC up to 25 pixels in 50 rows, far CoC up to 17, so that both layers are full
 FULL = Camera(1.8, 0.05, 8.0, max_coc=0.5)
 FULL_LAYERS = [
     {"jitter": 1.0, "squeeze": 0.7},
@@ -237,24 +238,24 @@ FULL_LAYERS = [
 
 
 def _settings_of(base: Settings, changes: list[dict]) -> list[Settings]:
-    """A method with each of the changes; exact has no star."""
+    """Return the base settings with each of the changes; exact has no star and takes a decagon instead."""
     shapes = [{k: "decagon" if v == "star" and base.method == "exact" else v for k, v in c.items()} for c in changes]
     return [replace(base, **change) for change in shapes]
 
 
 def _of_polygons(changes: list[dict], **common) -> list[Settings]:
-    """The exact method in every polygon with each of the changes."""
+    """Return the exact method for every polygon with each of the changes."""
     bases = (Settings("exact", aperture, **{"camera": CAMERA, **common}) for aperture in methods.EXACT)
     return [settings for base in bases for settings in _settings_of(base, changes)]
 
 
 def _exact_and_layered(**common) -> list[Settings]:
-    """Both, in an octagon, which is what blades can be curved of."""
+    """Return settings of both methods for an octagon, the polygon whose roundness can be changed."""
     return [Settings(method, "octagon", 7, camera=CAMERA, rotation=10.0, **common) for method in ("exact", "layered")]
 
 
 NOISY = {"coc": 0.5, "camera": Camera(max_coc=1.0), "samples": 3, "spacing": 1.0, "jitter": 1.0, "frame": 5}
-# Group -> settings on random patches of colour and depth, each with some parameters away from their defaults
+# Group -> settings to draw on random patches of colour and depth, each with some parameters away from their defaults
 SWEEPS = {
     **{method: _settings_of(Settings(method, "hexagon", camera=ALL["camera"]), COMMON) for method in PLAIN},
     **{
@@ -265,7 +266,7 @@ SWEEPS = {
         f"lines of exact {shape}": _settings_of(Settings("exact", shape, camera=CAMERA), [*LINES, *POLYGONS])
         for shape in ("hexagon", "decagon")
     },
-    # few samples on a wide blur, so that the noise acts in every pass
+    # few samples on a wide blur, so that the random offsets matter in every pass
     "jitter": _of_polygons([{}, {"use_mrt": False}], **NOISY),
     "cat's eye": _of_polygons(CUTS, cats_eye=0.7),
     "cat's eye, layered": _settings_of(Settings("layered", "hexagon", 7, camera=CAMERA, cats_eye=0.7), CUT_LAYERS),
@@ -276,13 +277,13 @@ SWEEPS = {
         for settings in _exact_and_layered(roundness=roundness, cats_eye=amount)
         if settings.method == "exact" or amount > 0.0
     ],
-    # a side that is turned off, and what layers are made of
+    # with one side turned off, and with everything that makes layers
     "focus": [
         Settings(method, "hexagon", 7, camera=CAMERA, spacing=0.0, focus=focus)
         for method in ("paper", "exact", "layered")
         for focus in (FOCUS, replace(FOCUS, scale=(0.0, 2.0)), replace(FOCUS, scale=(2.0, 0.0)))
     ],
-    # too large amounts are 0.1
+    # amounts beyond 0.1 are clamped to it
     "lateral colour": _settings_of(
         Settings("exact", "hexagon", camera=CAMERA), [{"lateral": 0.02}, {"lateral": -0.1}, {"lateral": 5.0}]
     ),

@@ -1,6 +1,6 @@
-"""The character of a lens, by one light: cat's eye, and red and blue at other places than green.
+"""Probe the character of a lens on one light: cat's eye, and lateral colour.
 
-Axial colour is frames with other CoC (docs/methods/character.md), which other probes have.
+Axial colour is drawn as frames with different CoC (docs/methods/character.md), which other probes cover.
 """
 
 from dataclasses import replace
@@ -13,38 +13,40 @@ from bokeh_validation.probes import exact
 from bokeh_validation.probes.highlight import AMBIENT, HALF_LIGHT, PEAK, ROUNDED, Bokeh, polygon_of
 from bokeh_validation.probes.model import Case, Check, Outputs, Probe, overlap, pixel_center
 
-SIZE, PLACE = (280, 208), (222, 46)  # of the image; of the light, towards a corner
+SIZE, PLACE = (280, 208), (222, 46)  # size of the image, and pixel of the light, towards a corner
 COC, ROTATION = 40, 7.0
 APERTURES = ("hexagon", "octagon")
 
 
 def whole(aperture: str) -> Bokeh:
-    """Of the light through a lens without character."""
+    """Return the bokeh of the light through a lens without character."""
     return Bokeh(polygon_of(aperture, ROTATION, COC), SIZE, pixel_center(*PLACE))
 
 
 def lit(label: str, aperture: str = "hexagon", **changes) -> Case:
-    """One bright pixel in the exact method, with changes to its settings; a sample a pixel."""
+    """Return a case of one bright pixel in the exact method at one sample per pixel; `changes` are to its settings."""
     return whole(aperture).case(label, replace(exact.settings(aperture, ROTATION, SIZE, COC), **changes))
 
 
 # ------------------------------------------------------------------------------------------------------------ cat's eye
 
 CATS_EYE = 0.7
-# The first pass has the polygons of other pixels, up to half a CoC away and on average half of that, in which a side
-# moves by half of CATS_EYE of the width, times that distance over the half diagonal
+# How far the outline may be off, pixels. The first pass uses the polygons of other pixels, up to half a CoC away and
+# half of that on average. Per half diagonal of distance, a side moves by half of CATS_EYE times the width.
 DRIFT = 0.5 * CATS_EYE * COC * (0.25 * COC) / (0.5 * np.hypot(*SIZE))
 
 
 def rim(x: float, y: float, polygon: np.ndarray) -> np.ndarray:
-    """How far the rims are from the middle of the aperture for a place in the image, pixels, (2,)."""
+    """Return the offset of each rim from the middle of the aperture at a position in the image, pixels, (2,)."""
     place = (2.0 * np.array([x, y]) - SIZE) / np.hypot(*SIZE)
     apothem = np.linalg.norm(polygon + np.roll(polygon, 1, axis=0), axis=1).min() / 2
     return CATS_EYE * apothem * place
 
 
 def cut(aperture: str, x: float, y: float) -> Bokeh:
-    """As the lens barrel cuts it for a place in the image: what the polygon moved to both sides has in common."""
+    """Return the bokeh as the lens barrel cuts it at a position: the intersection of the polygon shifted to both
+    sides.
+    """
     polygon = polygon_of(aperture, ROTATION, COC)
     moved = rim(x, y, polygon)
     return Bokeh(geometry.clip_convex(polygon + moved, polygon - moved), SIZE, (x, y))
@@ -52,9 +54,10 @@ def cut(aperture: str, x: float, y: float) -> Bokeh:
 
 @lru_cache
 def cut_share(aperture: str) -> np.ndarray:
-    """Share of the light that each pixel gets, (H, W): its own polygon, cut as it is there, holds the light's pixel.
+    """Return the fraction of the light that each pixel receives, (H, W): from its own polygon, as cut at that pixel.
 
-    By the definition: a place is in a polygon moved to both sides where it is in both; no edges, no lengths.
+    This follows the definition, without edges and lengths: a point is inside the cut polygon if it is inside the
+    polygon shifted to either side.
     """
     polygon, share = polygon_of(aperture, ROTATION, COC), np.zeros(SIZE[::-1])
     light, reach, steps = np.array(pixel_center(*PLACE)), COC // 2 + 1, (np.arange(8) + 0.5) / 8
@@ -69,7 +72,7 @@ def cut_share(aperture: str) -> np.ndarray:
 
 
 def _judge_cut(outputs: dict[str, Outputs]) -> list[Check]:
-    """Light and shape of the bokeh, whose outline is known to half a pixel and DRIFT."""
+    """Check light and shape of the bokeh, whose outline is known to half a pixel plus DRIFT."""
     checks, off = [], 0.5 + DRIFT
     why = f"outline known to {off:.2f} pixels: half a pixel, and the first pass has the polygons of other pixels"
     for aperture, textures in outputs.items():
@@ -102,9 +105,15 @@ CHANNELS = ("red", "green", "blue")
 
 
 def _color_checks(label: str, share: np.ndarray, bokeh: Bokeh, off: float) -> list[Check]:
-    """Light, place and outline, known to `off` pixels; share (H, W): what each pixel has of the light."""
+    """Check light, position and outline in one channel.
+
+    share  (H, W): fraction of the light at each pixel
+    bokeh  what it must be
+    off    how far the outline may be off, pixels
+    """
     y, x = np.mgrid[: bokeh.size[1], : bokeh.size[0]] + 0.5
-    # the surroundings may be stored a step off: so many pixels of them, far from the light, would move the middle
+    # the surroundings may be stored a step off; summed over so many pixels far from the light, that would shift its
+    # centroid
     light = share - np.median(share)
     moved = np.linalg.norm(np.array([(light * x).sum(), (light * y).sum()]) / light.sum() - bokeh.middle)
     slip = HALF_LIGHT * np.linalg.norm(bokeh.corners, axis=1).max()
@@ -117,7 +126,9 @@ def _color_checks(label: str, share: np.ndarray, bokeh: Bokeh, off: float) -> li
 
 
 def _judge_lateral(outputs: dict[str, Outputs]) -> list[Check]:
-    """A picture that is larger by s has the light s^2 times. Half a pixel for the outline, half for resampling."""
+    """Check each channel: an image scaled by s has s^2 times the light. The outline may be off by half a pixel, and by
+    another half for resampling.
+    """
     checks, plain, image_middle = [], whole("hexagon"), np.array(SIZE) / 2
     for label, amount in LATERAL.items():
         for channel, scale in enumerate((1.0 + amount, 1.0, 1.0 - amount)):

@@ -1,6 +1,6 @@
-"""Small frames that reach every entry, every switch and every branch of the shaders.
+"""Draw small frames that together reach every entry, switch and branch of the shaders.
 
-`check` draws those that an edit can have broken; `mutants` shows that a mistake is seen.
+`check` draws those that an edit can have broken; `mutants` tests that they reveal mistakes.
 """
 
 from collections.abc import Iterator
@@ -18,13 +18,13 @@ from bokeh_validation.reference import listings
 from bokeh_validation.shaders.passes import Pass
 
 SIZE, LAYERED_SIZE = (45, 29), (75, 50)
-# An image that is a part of its textures: not in their middle
+# An image inside larger textures, away from their middle
 PART_SIZE, TEXTURES, CORNER = (48, 37), (89, 73), (24, 8)
 HOSTILE_DEPTH = (np.nan, np.inf, -np.inf, -1e30, -2.0, 1e30, 1e9, 0.0, 1.0)
 
 
 def all_frames() -> dict[str, Frame]:
-    """Label -> frame, those of the plain settings first."""
+    """Return label -> frame, for every kind of frame below."""
     plain = {label: of_settings(settings) for label, settings in cases.tagged(cases.COVERAGE).items()}
     in_parts = cases.tagged(cases.PART)
     parts = {f"{label}, part": in_part(of_settings(settings, PART_SIZE)) for label, settings in in_parts.items()}
@@ -32,12 +32,14 @@ def all_frames() -> dict[str, Frame]:
 
 
 def noise(size: tuple[int, int]) -> tuple[np.ndarray, np.ndarray]:
-    """Random HDR colour (H, W, 4) float16 and depth (H, W) float32 in patches: every comparison goes both ways."""
+    """Return random patches of HDR colour (H, W, 4) float16 and depth (H, W) float32; every comparison
+    goes both ways.
+    """
     random, (width, height) = np.random.default_rng(1), size
     coarse = random.lognormal(0.0, 1.0, (height // 6 + 2, width // 6 + 2, 4))
-    # CoC are even in 1 / depth
+    # CoC values are uniform in 1 / depth
     coarse[..., 3] = 1.0 / random.uniform(0.033, 0.8, coarse.shape[:2])
-    # the outermost are narrow, so that a blur from the next one leaves the image
+    # the outermost patches are cropped, so that the blur of the next ones reaches beyond the image
     patches = np.kron(coarse, np.ones((6, 6, 1)))[4 : 4 + height, 4 : 4 + width]
     color = patches + 0.1 * random.random(patches.shape)
     color[..., 3] = 1.0
@@ -45,7 +47,7 @@ def noise(size: tuple[int, int]) -> tuple[np.ndarray, np.ndarray]:
 
 
 def of_settings(settings: Settings, size: tuple[int, int] | None = None) -> Frame:
-    """A frame of noise, with some hostile depth where the passes themselves read it."""
+    """Return a frame of noise, with some invalid depth if the method's passes read depth themselves."""
     size = size or (LAYERED_SIZE if settings.method == "layered" else SIZE)
     color, depth = noise(size)
     if settings.method not in ("exact", "layered"):
@@ -55,7 +57,7 @@ def of_settings(settings: Settings, size: tuple[int, int] | None = None) -> Fram
 
 
 def in_part(frame: Frame) -> Frame:
-    """The same image within larger textures of NaN; a kernel is a table of its own."""
+    """Return the frame with its image inside larger textures of NaN; a kernel remains a table."""
 
     def framed(image: np.ndarray) -> np.ndarray:
         whole = np.full((TEXTURES[1], TEXTURES[0], *image.shape[2:]), np.nan, image.dtype)
@@ -68,7 +70,7 @@ def in_part(frame: Frame) -> Frame:
     return replace(frame, passes=plan.passes, textures=textures, size=TEXTURES, area=area)
 
 
-# What no renderer should hand over, and what it should; powers of two, of which float32 has the differences
+# Invalid and valid values; powers of two, whose differences float32 represents exactly
 DEPTHS = (0.0625, 0.5, 2.0, 3.0, 4.0, 5.0, 8.0, 1024.0, np.inf, 1e30, 1e9, 1e-30, 0.0, -1.0, -np.inf, np.nan)
 COLORS = (np.nan, np.inf, -np.inf, -1.0, -65504.0, -0.0, 6e-8, 65504.0, 0.5, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0)
 LENS = Camera(0.0625, 0.0625, 4.0, sensor_height=0.03125, max_coc=0.25)
@@ -82,7 +84,7 @@ CAMERAS = {
 
 
 def _inputs() -> Iterator[tuple[str, Frame]]:
-    """CoC maps, depth of every kind and the debug views, with what is hostile in each."""
+    """Yield frames of the CoC maps, of depth of every kind and of the debug views, with invalid values in each."""
     size = (len(COLORS), 4)
     color = flat(size, 1.0)
     for channel in range(3):
@@ -92,7 +94,7 @@ def _inputs() -> Iterator[tuple[str, Frame]]:
     for label, camera in CAMERAS.items():
         maps = [Pass(entry, read, entry, camera.parameters()) for entry in ("BokehCoCMap", "BokehSignedCoCMap")]
         yield f"map, {label}", Frame(tuple(maps), textures, size)
-    # a view of what is larger than its MaxCoC, and of half of what a MaxCoC of 0 is taken for
+    # a debug view with a CoC above its BokehMaxCoC, and one at half of the value that replaces a BokehMaxCoC of 0
     for label, largest, most in (("lens", 0.25, 0.125), ("pinhole", 2.0**-21, 0.0)):
         camera = replace(LENS, max_coc=largest).parameters()
         passes = [Pass("BokehSignedCoCMap", read, "coc", camera)]
@@ -101,7 +103,7 @@ def _inputs() -> Iterator[tuple[str, Frame]]:
             passes.append(Pass("BokehDebug", {**read, "ColorSamp": "coc"}, f"view {mode}", parameters))
         views = Frame(tuple(passes), textures, size, "float")
         yield f"views, {label}", views
-    # of depth, which is read texel by texel
+    # a view of depth, which is fetched texel by texel
     yield "view, part", in_part(replace(views, passes=(views.passes[0], views.passes[2])))
     for name, kind in listings.DEPTH_KINDS.items():
         metres = np.geomspace(0.11, 190.0, 40).reshape(4, 10)
@@ -111,7 +113,7 @@ def _inputs() -> Iterator[tuple[str, Frame]]:
         frame = Frame((item,), {"depth": stored.astype(np.float32)}, (10, 6), "float")
         yield f"depth, {name}", frame
     yield "depth, part", in_part(frame)
-    # the image is a part of the depth buffer: of its width another one than of its height
+    # the image covers a part of the depth buffer, with different fractions of its width and height
     place = {"BokehDepthX": 0.5, "BokehDepthY": 0.25, "BokehDepthWidth": 0.5, "BokehDepthHeight": 0.25}
     item = Pass("BokehSignedCoCMap", read, "coc", LENS.parameters() | FOCUS.parameters() | place)
     whole = np.geomspace(3.0, 7.0, 4 * 2 * textures["depth"].size).reshape(4 * size[1], -1).astype(np.float32)
@@ -119,7 +121,9 @@ def _inputs() -> Iterator[tuple[str, Frame]]:
 
 
 def _steady() -> Iterator[tuple[str, Frame]]:
-    """The map made steady: moved by parts of a pixel, from beside the image, by no number, and anew."""
+    """Yield frames of the stabilised map: velocities of a fraction of a pixel, from outside the image, NaN or
+    infinite, and different blends.
+    """
     random, (width, height) = np.random.default_rng(3), SIZE
     velocity, history = np.zeros((2, height, width, 4), np.float16)
     velocity[..., :2] = random.uniform(-3.0, 3.0, (height, width, 2)) / SIZE
@@ -128,7 +132,7 @@ def _steady() -> Iterator[tuple[str, Frame]]:
     history[..., 3] = random.uniform(-0.25, 0.25, (height, width))
     for share in (0.0, 1.0, 3.0, -1.0, 0.25):
         frame = of_settings(EXACT)
-        # less than a CoC behind the focus
+        # CoC below one pixel behind the focus
         frame.textures["color"][:, ::3, :3] = 0.0
         passes = methods.steadied(methods.Plan(frame.passes, {}), SIZE, share).passes[:2]
         frame = replace(frame, passes=passes, textures={**frame.textures, "velocity": velocity, "history": history})
@@ -137,14 +141,16 @@ def _steady() -> Iterator[tuple[str, Frame]]:
 
 
 def _layers() -> Iterator[tuple[str, Frame]]:
-    """Planes that are partly in a layer or in none, near over far, black beside bright, many tiles, and one pixel."""
+    """Yield frames of layered: planes partly in a layer or in none, near over far, black next to bright, many tiles,
+    one pixel.
+    """
     frame = of_settings(replace(LAYERED, camera=near_edges.CAMERA), (50, 40))
     ragged = np.random.default_rng(2).uniform(-16.0, 20.0, (40, 50))
     planes = {f"plane, {coc}": np.full((40, 50), coc) for coc in (11.0, 14.0)}
-    # no layer, so the gather has a ring more
+    # there is no layer, so the gather takes an additional ring
     planes["moderate"] = np.random.default_rng(5).uniform(4.0, 9.0, (40, 50))
     planes["near over far"] = np.tile(np.where(abs(np.arange(50.0) - 25.0) < 2.0, -20.0, 18.0), (40, 1))
-    # the CoC of each ring is what covers most of the middle: together they cover more than all of it
+    # each ring has the CoC that covers the middle pixel most; together they cover it more than completely
     y, x = np.mgrid[-20.0:20.0, -25.0:25.0] % 12.0 - 6.0
     planes["cones"] = -np.where(np.hypot(y, x) > 0.0, np.minimum(np.hypot(y, x) * 2.0 + 1.0, 5.0), 0.0)
     for label, cocs in (planes | {"ragged": ragged, "ragged, near": np.minimum(ragged, 0.0)}).items():
@@ -154,14 +160,15 @@ def _layers() -> Iterator[tuple[str, Frame]]:
     frame.textures["color"][:, :32, :3] = 0.0
     frame.textures["color"][3::9, 36::7, :3] = 60000.0
     yield "black and bright", frame
-    # the noise of a layer's edge shows, and a parameter that nobody has set is a hexagon
+    # random offsets along a layer's edge show, and a BokehSides that nobody has set means a hexagon
     frame = of_settings(replace(LAYERED, preset="low", use_mrt=False, **WIDEST), (75, 50))
     passes = (replace(item, parameters={**item.parameters, "BokehSides": 0.0}) for item in frame.passes)
     yield "layered, sides unset, one target", replace(frame, passes=tuple(passes))
-    # a CoC of 98 pixels spreads over 12 tiles; levels are read, whose size is not half of the layers'
+    # a CoC of 98 pixels spreads over 12 tiles; the quarter layer is read, whose size is not exactly half of the
+    # layer's
     yield "large", of_settings(replace(LAYERED, **WIDEST), (130, 98))
     yield "layered, one pixel", of_settings(replace(LAYERED, **WIDE), (1, 1))
-    # no more than pixels and the linear filter do: not blurred
+    # CoC no larger than pixels and the linear filter resolve: the layer is copied, not blurred
     frame = of_settings(replace(LAYERED, **WIDE), (64, 48))
     *_, first, second, _ = frame.passes
     random = np.random.default_rng(4)
@@ -171,7 +178,7 @@ def _layers() -> Iterator[tuple[str, Frame]]:
     yield "layered, not blurred", replace(frame, passes=(first, second), textures=textures)
 
 
-# What no entry calls, and numbers that no device can be given
+# Library functions that no entry calls, and values that no device can be given
 SINE = float(np.sin(np.pi / 8.0))
 DECLARED = (
     "vec2 end = vec2(0.25, 0.5); BokehSamplingSettings plain = BokehDefaultSampling(vec2(64.0, 32.0));"
@@ -186,8 +193,9 @@ DECLARED = (
     "BokehBlur wideSquare = BokehLayerBlur(vec2(150.0, 0.0), false, BokehMakePolygon(4, 0.0, 1.0));"
 )
 SAMPLES = methods.PRESETS[LAYERED.preset][1]
-# The CoC of `open` at the planes of the calls below. Row 1 is a light beside row 0, which is black. Reversed, it is at
-# the near plane, so row 0, at the far plane, takes its CoC. Else it lies farther away, and row 0 keeps its own.
+# The CoC of `open` at the planes of the calls below. Row 1 is a light next to row 0, which is black. With reversed
+# depth the light is at the near plane, so row 0 at the far plane takes its CoC. Otherwise the light is farther away
+# and row 0 keeps its own.
 LIGHT_COC, OWN_COC = (
     float(np.sign(depth - 2.0) * listings.circle_of_confusion(depth, 0.2, 0.05, 2.0, 0.024, 1.0))
     for depth in (0.5, 8.0)
@@ -204,16 +212,16 @@ VALUES = {
     **{"polygon.lengths.x": SINE, "polygon.lengths.w": SINE, "polygon.fifth": SINE, "polygon.squeeze": 0.75},
     **{"layers.jitter": 0.0, "layers.largest": 12.0, "layers.origin.x": 0.0, "layers.texel.y * 48.0": 1.0},
     **{"layers.uv.x": 0.25, "layers.uv.y": 0.75, "layers.size.x": 64.0, "BokehFullGrid(layers).size.y": 48.0},
-    # a place on the border, sides that no polygon has, edges that are none and little more than none
+    # a position on the border, an invalid number of sides, and edges of zero and almost zero length
     **{"BokehFetchTexel(BokehColorSamp, vec2(1.0, 1.0)).r": 15.0, "BokehAnyAperture(end).sides": 10.0},
     **{"square.lengths.x": 0.001, "uncut.lengths.x": float(np.sin(np.pi / 2000.0))},
-    # far layers read the quarter size from 1.15 on
+    # far layers read the quarter layer from a spacing of 1.15 on
     **{"wide.spacing": 15.0 / SAMPLES, "wide.sideTap": 0.0, "wideSquare.sideTap": 0.25 * 0.354 * 75.0 / SAMPLES - 0.2},
     "curved.area": float(np.sin(np.pi / 8.0) + np.sin(np.pi * 3.0 / 8.0)) / 2.0,
 }
 # an image of one texel has no room for the inset
 IN_A_PART = {
-    # 8 pixels high: between a CoC of one pixel and of two the light's fades in
+    # 8 pixels high: the light's CoC fades in while the pixel's own grows from one pixel to two
     MAP.format("vec2(0.5, 0.0625)", "vec2(1.0, 8.0)", 2): OWN_COC + (LIGHT_COC - OWN_COC) * (8.0 * OWN_COC - 1.0),
     "layers.origin.x": 0.0,
     "BokehViewportBounds.x": 0.03125,
@@ -223,7 +231,9 @@ IN_A_PART = {
 
 
 def _values() -> Iterator[tuple[str, Frame]]:
-    """A row of pixels, one for each value; the textures have the number of their row."""
+    """Yield a row of pixels with one expression each, and its expected value; every texel holds the
+    number of its row.
+    """
     rows = np.repeat(np.arange(16.0), 16).reshape(16, 16).astype(np.float32)
     textures = {"color": np.stack([rows] * 4, axis=-1), "depth": rows}
     read = {"ColorSamp": "color", "DepthSamp": "depth"}

@@ -1,4 +1,4 @@
-"""The exact polygons: shape, light and flatness. Other rotations: test_exact.py."""
+"""Probe the exact polygons for shape, light and flatness. test_exact.py covers other rotations."""
 
 from functools import partial
 
@@ -14,8 +14,8 @@ CENTER = (72, 56)
 ROTATION = 7.0  # degrees: no polygon has an edge along the pixels
 BLOCK, BLOCK_LEVEL = 9, PEAK / 16  # a wide highlight: its side in pixels, and its brightness
 
-# What is asked of the overlap with the analytic polygon at a sample a pixel. The samples of one pixel are tents on a
-# lattice that is not aligned with the pixels: in the square their sum ripples most.
+# Minimum overlap with the analytic polygon at one sample per pixel. The samples of a pixel are tents on a lattice that
+# is not aligned with the pixels; in the square their sum ripples most.
 OVERLAP = {"square": 0.86, "hexagon": 0.92, "octagon": 0.92, "decagon": 0.92}
 FLATNESS = 0.05
 
@@ -23,20 +23,22 @@ FLATNESS = 0.05
 def settings(
     aperture: str, rotation: float = ROTATION, size: tuple[int, int] = SIZE, coc: float = COC
 ) -> methods.Settings:
-    """The exact method at a sample a pixel, with a CoC of `coc` pixels everywhere."""
+    """Return the exact method at one sample per pixel, with a CoC of `coc` pixels everywhere. `rotation` is in
+    degrees.
+    """
     dense = {"coc": coc / size[1], "spacing": 1.0, "samples": 2 * COC + 1}
     return methods.Settings("exact", aperture, rotation=rotation, camera=methods.Camera(max_coc=1.0), **dense)
 
 
 def bokeh(aperture: str, rotation: float = ROTATION) -> Bokeh:
-    """Of a bright pixel in the middle."""
+    """Return the bokeh of a bright pixel in the middle."""
     return Bokeh(polygon_of(aperture, rotation, COC), SIZE, pixel_center(*CENTER))
 
 
 def _judge(aperture: str, outputs: dict[str, Outputs]) -> list[Check]:
     point, wide = (textures["result"][..., 1] - AMBIENT for textures in outputs.values())
     shape = bokeh(aperture)
-    # inside for every pixel of the block, and 2 pixels from the edge
+    # every pixel of the block sees this area in full, and it ends 2 pixels before the edge
     margin = BLOCK / 2 * np.sqrt(2.0) + 2.0
     apothem = COC / 2 * np.cos(np.pi / methods.EXACT[aperture])
     inner = geometry.coverage(shape.corners * (1 - margin / apothem), SIZE, shape.middle) == 1
@@ -48,7 +50,7 @@ def _judge(aperture: str, outputs: dict[str, Outputs]) -> list[Check]:
 
 
 def probe(aperture: str) -> Probe:
-    """The probe of one polygon: one bright pixel, and a bright square of BLOCK pixels."""
+    """Return the probe of one polygon: a single bright pixel, and a bright square of BLOCK pixels."""
     image, chosen = flat(SIZE, AMBIENT), settings(aperture)
     image[block(CENTER, BLOCK)][..., :3] += BLOCK_LEVEL
     wide = Case("wide highlight", chosen, image, depth_of(SIZE, 10.0))

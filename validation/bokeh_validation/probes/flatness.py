@@ -1,4 +1,4 @@
-"""The layered method: an isolated far light must become a flat polygon, however wide. FLIP does not see this."""
+"""Probe layered: an isolated far light must become a flat polygon at any width. FLIP does not notice if it does not."""
 
 import numpy as np
 
@@ -8,15 +8,17 @@ from bokeh_validation.probes.lights import AMBIENT, LIGHT, mean_spread
 from bokeh_validation.probes.model import Case, Check, Outputs, Probe, depth_of, flat, overlap, pixel_center
 from bokeh_validation.probes.near_edges import metres, settings
 
-PIXELS = 3  # across
-# Up to a CoC in pixels -> most ripple; 216 is the largest of 0.1 of the height at 4K
+PIXELS = 3  # side of the light
+# Largest CoC in pixels -> maximum ripple there; 216 is 0.1 of the height at 4K, the largest by default
 MOST_RIPPLE = {100: 0.05, 216: 0.08}
 LEAST_OVERLAP = 0.88
 WHY = "asked for: dots are seen from about this on, and a polygon has to be one"
 
 
 def flat_case(aperture: str, coc: int, preset: str = "medium") -> Case:
-    """A far light of PIXELS x PIXELS in the middle, on a plane of its own depth."""
+    """Return a case with a far light of PIXELS x PIXELS in the middle, on a plane of the same depth. `coc` is in
+    pixels.
+    """
     side = coc + PIXELS + 40
     color = flat((side, side))
     color[..., :3] = 0.01, 0.01, AMBIENT
@@ -26,10 +28,10 @@ def flat_case(aperture: str, coc: int, preset: str = "medium") -> Case:
 
 
 def measured(case: Case, coc: int, picture: np.ndarray) -> tuple[float, float]:
-    """Ripple and overlap of a picture (H, W, 3 or more) of flat_case.
+    """Return ripple and overlap of a result (H, W, >= 3) of flat_case().
 
-    Ripple is the standard deviation over the mean, inside the polygon but for the fifth of its width that half size
-    makes soft; overlap is that with what the lens makes of the light.
+    Ripple is the standard deviation over the mean inside the polygon, without the outer fifth, which half resolution
+    makes soft. Overlap is with the shape that a lens makes of the light.
     """
     lit = picture[..., 2].astype(np.float64) - AMBIENT
     corners = polygon_of(case.settings.aperture, case.settings.rotation, coc)
@@ -40,7 +42,7 @@ def measured(case: Case, coc: int, picture: np.ndarray) -> tuple[float, float]:
 
 
 def checks(case: Case, coc: int, picture: np.ndarray) -> list[Check]:
-    """What must hold of it."""
+    """Return the checks of a result (H, W, >= 3) of flat_case()."""
     ripple, alike = measured(case, coc, picture)
     most = next(most for largest, most in MOST_RIPPLE.items() if coc <= largest)
     return [

@@ -1,4 +1,4 @@
-"""A sharp object in front of a blurred background: how much of its light the background shows that should not."""
+"""Probe a sharp object in front of a blurred background: how much of its light leaks onto the background."""
 
 from dataclasses import replace
 from functools import partial
@@ -12,7 +12,7 @@ from bokeh_validation.probes.model import Case, Check, Outputs, Probe, depth_of,
 SIZE = (160, 126)
 CAMERA = methods.Camera(aperture_diameter=0.1, focal_length=0.05, focus_distance=2.0, max_coc=0.2)
 FAR = 20.0
-# nearly in focus: a CoC of 0.0067, which Listing 3 gives a weight of 0.2, and 0.8 pixels here
+# nearly in focus: a CoC of 0.0067, or 0.8 pixels here, to which Listing 3 gives a weight of 0.2
 OBJECT = 2.0 / (1.0 - 0.0067 * CAMERA.sensor_height / 0.1 * (2.0 - 0.05) / 0.05)
 # rows and columns of a block and of a bar
 SHAPES = (
@@ -24,7 +24,9 @@ NAIVE_SAMPLES = 33  # 817 offsets in the hexagon, 848 in the octagon
 
 
 def scene() -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Colour and depth, and where the object is (H, W) bool. The object is red, the background has no red."""
+    """Return colour (H, W, 4), depth (H, W) and where the object is, (H, W) bool. The object is red; the background
+    has no red.
+    """
     color, depth = flat(SIZE), depth_of(SIZE, FAR)
     y, x = np.mgrid[0 : SIZE[1], 0 : SIZE[0]]
     checker = 0.1 + 0.9 * ((x // 13 + y // 13) % 2)
@@ -38,7 +40,7 @@ def scene() -> tuple[np.ndarray, np.ndarray, np.ndarray]:
 
 
 def leaked(red: np.ndarray, covered: np.ndarray) -> float:
-    """Red on the background, which begins a pixel from the object, as a share of the object's own."""
+    """Return the red on the background as a fraction of the object's; the pixels next to the object are left out."""
     return float(red[~two_points.grown(covered)].sum() / covered.sum())
 
 
@@ -53,7 +55,7 @@ def _judge(covered: np.ndarray, outputs: dict[str, Outputs]) -> list[Check]:
 
 
 def probe(aperture: str) -> Probe:
-    """The probe of one polygon: exact and the gather, a sample a pixel and as dense."""
+    """Return the probe of one polygon: exact and the naive gather at one sample per pixel."""
     color, depth, covered = scene()
     dense = methods.Settings("exact", aperture, rotation=TURN, camera=CAMERA, spacing=1.0, samples=33)
     naive = methods.Settings("naive", aperture, NAIVE_SAMPLES, TURN, CAMERA)

@@ -1,4 +1,4 @@
-"""One bright pixel spread into the paper's apertures: Figures 5, 6 and 9."""
+"""Probe one bright pixel spread into the paper's apertures: Figures 5, 6 and 9."""
 
 from functools import partial
 
@@ -10,58 +10,61 @@ from bokeh_validation.probes.model import Case, Check, Outputs, Probe, depth_of,
 
 SIZE = (160, 96)  # not square, so that a missing aspect ratio shows
 COC = 36  # pixels
-# Two samples a pixel: at one a pixel the lines at 45 degrees ripple by several per cent, and min loses that much light.
+# Two samples per pixel: at one per pixel, lines at 45 degrees ripple by several per cent, and min loses as much light.
 SAMPLES = 73
 CENTER = (80, 48)
 ROTATION = 10.0
-# Length in pixels that N samples stand for when they are spaced CoC / (N - 1) from end to end: N spacings
+# Length that N samples represent when they span the CoC from end to end at spacings of CoC / (N - 1): N spacings,
+# pixels
 LINE_LENGTH = COC * SAMPLES / (SAMPLES - 1)
 
-# folds of the outline's rotational symmetry
+# order of the outline's rotational symmetry
 FOLDS = {"square": 4, "diamond": 2, "hexagon": 6, "octagon": 8, "star": 8}
 FIGURES = {"square": "5", "diamond": "6", "hexagon": "9a", "octagon": "9b", "star": "9c"}
 
 
 def parallelograms(aperture: str, rotation: float) -> list[np.ndarray]:
-    """Corners in pixels of the parallelograms as sampled."""
+    """Return the corners in pixels of each parallelogram as sampled. `rotation` is in degrees."""
     return [LINE_LENGTH * shape.corners(rotation) for shape in aperture_shapes.PARALLELOGRAMS[aperture]]
 
 
 def outlines(aperture: str, rotation: float) -> list[np.ndarray]:
-    """Convex polygons whose union is the aperture: one, but two squares for the star."""
+    """Return convex polygons whose union is the aperture: two squares for the star, otherwise one."""
     shapes = parallelograms(aperture, rotation)
     return shapes if aperture in aperture_shapes.USES_MAX or len(shapes) == 1 else [geometry.clip_convex(*shapes)]
 
 
 def analytic(aperture: str, rotation: float) -> np.ndarray:
-    """Coverage of the aperture, (H, W)."""
+    """Return the coverage of the aperture, (H, W)."""
     shapes = outlines(aperture, rotation)
     return np.max([geometry.coverage(shape, SIZE, pixel_center(*CENTER)) for shape in shapes], axis=0)
 
 
 def plateau(aperture: str) -> float:
-    """Value inside the aperture: the light of the pixel spread over one parallelogram."""
+    """Return the value inside the aperture: the pixel's light spread over one parallelogram."""
     return PEAK / abs(geometry.signed_area(parallelograms(aperture, 0.0)[0]))
 
 
 def constant_coc(aperture: str, rotation: float, size: tuple[int, int] = SIZE) -> methods.Settings:
-    """The paper's method with a CoC of COC pixels everywhere."""
+    """Return the paper's method with a CoC of COC pixels everywhere."""
     camera = methods.Camera(max_coc=1.0)
     return methods.Settings("paper", aperture, SAMPLES, rotation, camera, coc=COC / size[1])
 
 
 def point_case(label: str, settings: methods.Settings, points: tuple, size: tuple[int, int]) -> Case:
-    """Bright pixels."""
+    """Return a case with bright pixels at `points`, (column, row) each."""
     return Case(label, settings, impulse_image(points, size), depth_of(size, 10.0))
 
 
 def _edge(aperture: str) -> float:
-    """Area that half a pixel of the outline has; the star has 16 sides, so the sum over both squares is above it."""
+    """Return the area within half a pixel of the outline. For the star, with 16 sides, the two squares' sum is an
+    upper bound.
+    """
     return 0.5 * sum(geometry.perimeter(shape) for shape in outlines(aperture, 0.0))
 
 
 def _shape_checks(aperture: str, rotation: float, value: np.ndarray) -> list[Check]:
-    """Area, overlap and orientation of one rendering, (H, W) without the ambient light."""
+    """Check area, overlap and orientation of one result, (H, W) without the ambient light."""
     label, center, folds = f"{rotation:g} degrees", pixel_center(*CENTER), FOLDS[aperture]
     truth = analytic(aperture, rotation)
     seen = np.clip(value / plateau(aperture), 0.0, 1.0)
@@ -78,7 +81,9 @@ def _shape_checks(aperture: str, rotation: float, value: np.ndarray) -> list[Che
 
 
 def light_kept(aperture: str) -> float:
-    """Area of the aperture over that of one parallelogram: what min or max leaves of an isolated highlight's light."""
+    """Return the aperture's area over that of one parallelogram: the fraction of an isolated highlight's light after
+    min or max.
+    """
     shapes = parallelograms(aperture, 0.0)
     if len(shapes) == 1:
         return 1.0
@@ -103,7 +108,7 @@ def _judge(aperture: str, outputs: dict[str, Outputs]) -> list[Check]:
 
 
 def probe(aperture: str) -> Probe:
-    """The probe of one aperture, upright and turned."""
+    """Return the probe of one aperture, upright and rotated."""
     upright, turned = (
         point_case(f"{turn:g} degrees", constant_coc(aperture, turn), (CENTER,), SIZE) for turn in (0.0, ROTATION)
     )

@@ -1,9 +1,9 @@
-"""The one judge of a pass: it is drawn alone, on what the reference made for its inputs, and each target must be within
-the reference's interval, which is that of this pass alone.
+"""Judge a pass: draw it alone, on inputs made by the reference, and require each target to be in the reference's
+interval.
 
-From end to end a step in the stored CoC would count as often as a sample is taken by it, and of the layered method
-whether a pixel is near is a matter of such a step. That passes are chained as the plan says is another question, which
-tests/shaders/test_drivers.py asks. What the reference made is kept on disk (reference/kept.py).
+The interval covers this pass only. From end to end, one rounding step of the stored CoC would be amplified by every
+sample that uses it, and in layered it could decide whether a pixel is near. tests/shaders/test_drivers.py tests that
+passes are chained as planned. Results of the reference are kept on disk (reference/kept.py).
 """
 
 import re
@@ -23,17 +23,18 @@ from bokeh_validation.reference import pass_images
 from bokeh_validation.shaders.passes import Pass, target_area
 
 Area = tuple[int, int, int, int]
-# Without an interval of the reference, float32 and a store: a step of half floats, and of the smallest of them
+# For passes without an interval of the reference: the error of float32 and a store, as a relative step of half floats
+# plus their smallest step
 STEP, SMALLEST = 2.0**-10, 2.0**-24
 
 
 @dataclass(frozen=True)
 class Frame:
-    """Passes to draw, with what they read.
+    """Hold passes to draw, with what they read.
 
-    area      the viewport, where the image is a part of its textures
-    expected  output -> what must be in it, (H, W, 4), in place of the reference's result
-    main      body of a main function in place of the entry's
+    area      the viewport (x, y, width, height), if the image is a part of its textures
+    expected  output -> what must be in it, (H, W, 4), instead of the reference's result
+    main      body of a main function that replaces the entry's
     """
 
     passes: tuple[Pass, ...]
@@ -47,7 +48,7 @@ class Frame:
 
 @dataclass(frozen=True)
 class Judge:
-    """A pass with everything that it reads, and the interval of each target in the part that it draws."""
+    """Hold a pass with everything that it reads, and the allowed interval of each target in the part that is drawn."""
 
     label: str
     item: Pass
@@ -57,7 +58,7 @@ class Judge:
     allowed: Mapping[str, Image]
 
     def drawn(self, driver: Driver) -> dict[str, np.ndarray]:
-        """What a driver writes to each target, in that part."""
+        """Return what a driver writes to each target, cropped to that part."""
         item = self.item
         if self.frame.main:
             text = re.sub(r"\bvoid main\(\)", "void unused()", shaders.glsl(item.entry, "330", item.defines))
@@ -66,12 +67,14 @@ class Judge:
         return {name: outputs[name][self.part] for name in self.allowed}
 
     def comparisons(self, driver: Driver, in_steps: Collection[str] = ()) -> dict[str, metrics.Comparison]:
-        """How far each target of a driver is from the reference's; by bounds in steps too where it is `in_steps`."""
+        """Compare each target of a driver with the reference's; those named in `in_steps` by the bounds in steps as
+        well.
+        """
         drawn, software = self.drawn(driver), driver.software
         return {k: metrics.compare(drawn[k], image, software and k in in_steps) for k, image in self.allowed.items()}
 
     def objection(self, driver: Driver) -> str:
-        """What is wrong with what a driver draws, or nothing."""
+        """Return what is wrong with what a driver draws, or ''."""
         for name, comparison in self.comparisons(driver).items():
             if comparison.outside:
                 return f"{self.item.entry} writes {name!r} with {comparison.outside} wrong pixels of {self.label}"
@@ -79,10 +82,10 @@ class Judge:
 
 
 def judges(label: str, frame: Frame, precision: Precision, rounding: str, text: str | None = None) -> list[Judge]:
-    """One for each pass of a frame, for a device of that precision and rounding.
+    """Return a judge for each pass of a frame, for a device of this precision and rounding.
 
-    text  of all files in GLSL, where it is not that of the package as it is. Raises KeyError where that has not got
-          what the frame's passes need
+    text  all GLSL files as one text; None: those of the package. Raises KeyError if it lacks something that the
+    frame's passes need
     """
     size, made, images, result = frame.size, {}, {}, []
     if not frame.main:
@@ -94,7 +97,7 @@ def judges(label: str, frame: Frame, precision: Precision, rounding: str, text: 
         read = {name: made.get(name, frame.textures.get(name)) for name in item.inputs.values()}
         allowed = {name: _bounded(images[name].part(*part)) for name in item.outputs}
         result.append(Judge(label, item, frame, read, part, allowed))
-        # nobody may read what is around the image
+        # fill everything around the image with NaN: no pass may read it
         for name in item.outputs if frame.area else ():
             around = np.full_like(made[name], np.nan)
             around[part] = made[name][part]
@@ -103,7 +106,7 @@ def judges(label: str, frame: Frame, precision: Precision, rounding: str, text: 
 
 
 def _bounded(image: Image) -> Image:
-    """With an interval, where the reference has none."""
+    """Return the image with an interval, if the reference gave none."""
     if image.error is not None:
         return image
     return Image(image.value, STEP * np.abs(image.value) + SMALLEST, np.zeros(image.value.shape[:2], bool))
@@ -111,7 +114,9 @@ def _bounded(image: Image) -> Image:
 
 @dataclass(frozen=True)
 class CaseResult:
-    """Pictures of one case on one driver, and the reference's, and how far each target of each pass is from it."""
+    """Hold the outputs of one case on a driver and from the reference, and the comparison of each target
+    of each pass.
+    """
 
     case: Case
     outputs: Outputs
@@ -119,24 +124,24 @@ class CaseResult:
     comparisons: Mapping[str, Comparison]
 
 
-@lru_cache(maxsize=2)  # of a large scene, with all of its targets in float64, one is some 500 MB
+@lru_cache(maxsize=2)  # one of a large scene takes some 500 MB, with all its targets in float64
 def of_case(case: Case, precision: Precision, rounding: str) -> tuple[Judge, ...]:
-    """Those of a case; kept, since drivers share them."""
+    """Return the judges of a case, cached, since drivers share them."""
     frame = Frame(case.plan.passes, case.textures(), case.size)
     return tuple(judges(case.label, frame, precision, rounding))
 
 
 def compared(case: Case, driver: Driver) -> CaseResult:
-    """A case on a driver: its outputs, drawn from end to end, and how far every pass is from the reference's."""
+    """Draw a case on a driver from end to end, and compare each of its passes with the reference."""
     outputs = driver.run(case.plan.passes, case.textures(), case.size, keep=case.keep)
     comparisons, expected = {}, {}
     for judge in of_case(case, driver.precision, driver.rounding):
-        # bounds in steps are for pictures: sums and shares are often small differences
+        # the bounds in steps are for images; sums and weights are often small differences
         comparisons |= judge.comparisons(driver, case.keep)
         expected |= judge.allowed
     return CaseResult(case, outputs, {k: expected[k] for k in case.keep}, comparisons)
 
 
 def expected(case: Case, precision: Precision, rounding: str) -> dict[str, Image]:
-    """The reference's outputs of a case from end to end, with the interval of a class of devices."""
+    """Return the reference's outputs of a case from end to end, with the interval of a class of devices."""
     return pass_images.images(case.plan.passes, case.textures(), case.size, "half", precision, rounding)

@@ -1,4 +1,4 @@
-"""The layered method: near and far lights, alone, beside something sharp and under something near."""
+"""Probe layered with near and far lights: alone, next to something sharp, and behind something near."""
 
 from functools import partial
 
@@ -9,26 +9,33 @@ from bokeh_validation.probes.model import Case, Check, Outputs, Probe, depth_of,
 from bokeh_validation.probes.near_edges import CAMERA, SIZE, STEP, WHOLE, checker, edge_spread, metres, settings
 
 LIGHT = 800.0
-# Blue around the lights: a half float near zero would count thousands of steps for a filter's rounding beside a light
+# Blue around the lights; a half float near zero would be off by thousands of steps from a filter's rounding next to a
+# light
 AMBIENT = 0.125
 
 # ------------------------------------------------------------------------------------------------------ isolated lights
 
 LIGHT_COCS = (-80, -24, -12, 12, 24, 80)
-# Pixels across -> least overlap asked for at 80 pixels with 18 samples an edge, 2.2 pixels apart: a sample is a tent of
-# 4 pixels, and more of them make dots
+# Side of the light in pixels -> minimum overlap at a CoC of 80 pixels with 18 samples per edge, 2.2 pixels apart. A
+# sample is a tent of 4 pixels; at a wider spacing dots appear.
 LIGHT_PIXELS = {1: 0.9, 3: 0.94, 9: 0.97}
 LIGHTS = (*((coc, "medium") for coc in LIGHT_COCS), (-80, "high"), (80, "high"))
 
 
 def light_bokeh(coc: float, pixels: int, size: tuple[int, int]) -> Bokeh:
-    """Of the upper left pixel of a light in the middle."""
+    """Return the bokeh of the upper left pixel of a light in the middle. `coc` is in pixels, `pixels` the light's
+    side.
+    """
     first = [(length - pixels) // 2 for length in size]
     return Bokeh(polygon_of("hexagon", 0.0, coc), size, pixel_center(*first))
 
 
 def light_case(coc: float, pixels: int, preset: str = "medium") -> Case:
-    """A blue light over a dark far plane of its own depth, or a near one over a green checker in focus."""
+    """Return a blue light on a dark far plane of the same depth, or a near one over a green checker in focus.
+
+    coc     pixels, negative in front of the focus
+    pixels  side of the light
+    """
     side = abs(coc) + pixels + 24
     size = side + 8, side
     color, depth = flat(size), depth_of(size, metres(coc, side) if coc > 0 else CAMERA.focus_distance)
@@ -43,12 +50,16 @@ def light_case(coc: float, pixels: int, preset: str = "medium") -> Case:
 
 
 def light_spread(coc: float, pixels: int, size: tuple[int, int]) -> np.ndarray:
-    """Share of the light in the middle that a lens puts on each pixel, (H, W)."""
+    """Return the fraction of the light in the middle that a lens puts on each pixel, (H, W)."""
     return mean_spread(light_bokeh(coc, pixels, size), pixels)
 
 
 def mean_spread(first: Bokeh, pixels: int) -> np.ndarray:
-    """The mean of the polygons of a light's pixels, (H, W); first: of the upper left one."""
+    """Return the mean of the polygons of all pixels of a light, (H, W).
+
+    first   the bokeh of the light's upper left pixel
+    pixels  side of the light
+    """
     share = first.coverage / first.area
     return sum(np.roll(share, (row, column), (0, 1)) for row in range(pixels) for column in range(pixels)) / pixels**2
 
@@ -59,14 +70,14 @@ def _judge_lights(pixels: int, outputs: dict[str, Outputs]) -> list[Check]:
         blue, total = textures["result"][..., 2], LIGHT * pixels**2
         size = blue.shape[::-1]
         spread = light_spread(coc, pixels, size)
-        # a near light hides what is behind it
+        # a near light hides the background behind it
         lit = blue - AMBIENT * (1.0 - (spread * pixels**2 if coc < 0 else 0.0))
         checks.append(Check(f"light kept, {label}", lit.sum() / total, 0.99, 1.01, "asked for"))
         if preset == "high":
             least, why = LIGHT_PIXELS[pixels], "asked for at 18 samples"
         elif abs(coc) < 80:
-            # far light below 12.4 pixels is gathered, in two rings 1/5 of the CoC apart, of 19 samples: each of them
-            # finds the whole light once, so they cover as many pixels of the hexagon as 19 lights
+            # a far light below 12.4 pixels is gathered, in two rings 1/5 of the CoC apart, with 19 samples: each of
+            # them finds the whole light once, so they cover as many pixels of the hexagon as 19 lights
             least = light_bokeh(coc, pixels, size).least_overlap(max(0.5, coc / 10.0) if 0 < coc < 12.4 else 0.5)
             why = "texels of half the size lie half a pixel off the pixels; the gather's rings are known to half a step"
             if 0 < coc < 12.4:
@@ -78,7 +89,7 @@ def _judge_lights(pixels: int, outputs: dict[str, Outputs]) -> list[Check]:
 
 
 def light_probe(pixels: int) -> Probe:
-    """Lights of one size at every CoC; and at 80 pixels with more samples."""
+    """Return the probe of lights of one size at every CoC, and at 80 pixels with more samples too."""
     cases = tuple(light_case(coc, pixels, preset) for coc, preset in LIGHTS)
     title = f"An isolated light of {pixels} pixels becomes a hexagon of the same light, near and far"
     shows = "A hexagon over what is there, no brighter and no darker than the light; small ones at 80 pixels show dots."
@@ -88,20 +99,20 @@ def light_probe(pixels: int) -> Probe:
 # ---------------------------------------------------------------------------- far lights and what is in front of them
 
 COC, NEAR_COC = 24, 16
-EDGE = 47  # first column of what is behind the silhouette: within a texel of half the size
+EDGE = 47  # first column behind the silhouette; odd, so the edge falls inside a texel of the half-size layer
 BEHIND = 0.2
 BESIDE = 8  # pixels from the silhouette to the light
-COVER = EDGE + 6  # first column of the near thing that covers part of a light at EDGE
-ROW = SIZE[1] // 2  # of the lights, which are three by three pixels
+COVER = EDGE + 6  # first column of the near object, which covers part of a light at EDGE
+ROW = SIZE[1] // 2  # of the lights, which are 3 x 3 pixels
 
 
 def far_spread(column: int) -> np.ndarray:
-    """Share of the light of the pixels around a column on each pixel, (H, W)."""
+    """Return the fraction of the light around a column that each pixel receives, (H, W)."""
     return mean_spread(Bokeh(polygon_of("hexagon", 0.0, COC), SIZE, pixel_center(column - 1, ROW - 1)), 3)
 
 
 def silhouette_case() -> Case:
-    """Green in focus on the left; on the right a grey-red far plane with a blue light."""
+    """Return green in focus at the left, and at the right a grey-red far plane with a blue light."""
     sharp = np.broadcast_to(np.arange(SIZE[0]) < EDGE, SIZE[::-1])
     color, depth = flat(SIZE), depth_of(SIZE, metres(COC, SIZE[1]))
     color[..., 0] = np.where(sharp, 0.0, BEHIND)
@@ -138,7 +149,7 @@ SILHOUETTE = Probe(
 
 
 def covered_case() -> Case:
-    """The blue far light with red near things on the right."""
+    """Return the blue far light with a red near object at the right."""
     near = np.broadcast_to(np.arange(SIZE[0]) >= COVER, SIZE[::-1])
     color, depth = flat(SIZE), depth_of(SIZE, metres(COC, SIZE[1]))
     color[..., 0] = near
@@ -155,7 +166,7 @@ def _judge_covered(outputs: dict[str, Outputs]) -> list[Check]:
     alpha, hidden = (edge_spread(polygon_of("hexagon", 0.0, coc), x - COVER) for coc in (NEAR_COC, COC))
     spread = far_spread(EDGE) * 9.0 * LIGHT
     covered = blue[:, alpha >= 1.0].max() / spread.max()
-    # a ray from a pixel to the light passes the near plane on the other side of the pixel, by similar triangles
+    # a ray from a pixel to the light crosses the near plane on the opposite side of the pixel; by similar triangles
     ratio = NEAR_COC / COC
     seen = spread[:, x < (COVER + (EDGE + 0.5) * ratio) / (1 + ratio)].sum()
     most = (spread * (1.0 - alpha) / np.maximum(1.0 - hidden, STEP)).sum() / seen

@@ -1,4 +1,4 @@
-"""A light whose CoC is not that of its background: its polygon, its light, and whether anything shows inside it."""
+"""Probe a light whose CoC differs from its background's: its polygon, its light, and whether anything shows inside."""
 
 from dataclasses import dataclass
 from functools import partial
@@ -13,17 +13,21 @@ from bokeh_validation.probes.near_edges import CAMERA, checker, metres
 
 LIGHT, AMBIENT = 200.0, 0.125
 SIZE = (128, 128)
-BACKGROUND = 40  # CoC in pixels, below 0 in front of the focus
-# The rim is a pixel and a light wide; ripple is looked for in the rest of the polygon
+BACKGROUND = 40  # CoC in pixels, negative in front of the focus
+# The rim is as wide as a pixel and the light; ripple is measured in the rest of the polygon
 INSIDE = 0.75
 
 
 @dataclass(frozen=True)
 class Apart:
-    """A light of some pixels on a side, over a plane of another CoC, flat or a checker.
+    """Describe a light over a plane with another CoC.
 
-    With a rim the pixels around it are half covered, as antialiasing leaves them: half of its colour, depth of the
-    plane.
+    coc         of the light, pixels, negative in front of the focus
+    pixels      side of the light
+    background  CoC of the plane, pixels
+    textured    whether the plane is a checker
+    rim         whether the pixels around the light are half covered, as antialiasing leaves them: half of its colour,
+    with the depth of the plane
     """
 
     coc: float
@@ -34,13 +38,13 @@ class Apart:
 
     @property
     def label(self) -> str:
-        """For reports."""
+        """Return the name for reports."""
         plane = "a checker" if self.textured else "a plane"
         rim = " with a rim" if self.rim else ""
         return f"{self.pixels} px{rim} of CoC {self.coc:g} on {plane} of {self.background:g}"
 
     def case(self, chosen: methods.Settings) -> Case:
-        """The light is blue; the plane is red and green, and a little blue."""
+        """Return the case: a blue light on a plane of red, green and a little blue."""
         color, depth = flat(SIZE), depth_of(SIZE, metres(self.background, SIZE[1]))
         color[..., :3] = 0.01, 0.01, AMBIENT
         if self.textured:
@@ -55,14 +59,17 @@ class Apart:
 
     @property
     def first(self) -> int:
-        """Its first row and column."""
+        """Return the light's first row and column."""
         return SIZE[0] // 2 - self.pixels // 2
 
     def measured(self, result: np.ndarray, aperture: str = "hexagon") -> tuple[float, float, float]:
-        """Overlap with the light's own polygon, ripple inside the smaller of its and the plane's, light kept."""
+        """Return the overlap with the light's own polygon, the ripple inside, and the fraction of the light kept.
+
+        Ripple is measured inside the smaller of the light's and the plane's polygons. `result` is (H, W, >= 3).
+        """
         blue = result[..., 2] - AMBIENT
         polygon, wanted = polygon_of(aperture, 0.0, self.coc), np.zeros(result.shape[:2])
-        # of a light with a rim half lies on its own pixels, half on those and the rim's
+        # half of the light of one with a rim lies on its own pixels, half on those and the rim's
         for border in (0, 1) if self.rim else (0,):
             size, corner = self.pixels + 2 * border, pixel_center(self.first - border, self.first - border)
             wanted += size**2 * mean_spread(Bokeh(polygon, SIZE, corner), size)
@@ -74,8 +81,8 @@ class Apart:
         return seen, float(inside.std() / inside.mean()), float(blue.sum() / total)
 
 
-# Behind the focus with a smaller CoC than the plane, what research found reachable and the task asked for: CoC of the
-# light -> least overlap
+# Lights behind the focus with a smaller CoC than the plane: CoC -> minimum overlap, set to what was found to be
+# reachable
 ASKED = {20: 0.77, 27: 0.85, 31: 0.88, 36: 0.90}
 RIPPLE, LIGHT_KEPT = 0.15, (0.90, 1.05)
 SMALLER = tuple(Apart(coc, pixels) for coc in ASKED for pixels in (2, 4))
@@ -84,21 +91,21 @@ TEXTURED = Apart(27, 4, textured=True)
 WIDER = tuple(Apart(coc, 4) for coc in (48, 60, 80))
 IN_FRONT = (Apart(-27, 4, -BACKGROUND), Apart(-60, 4, -BACKGROUND))
 ACROSS = (Apart(-20, 4), Apart(-31, 2), Apart(-31, 4), Apart(-60, 4), Apart(27, 4, -BACKGROUND))
-# Near lights as renderers draw them: what lies at the depth of the plane must show neither as dots nor as an outline
+# Near lights as renderers draw them; their rim, at the depth of the plane, must show neither dots nor an outline
 RIMS = tuple(Apart(coc, pixels, rim=True) for coc, pixels in ((-24, 4), (-40, 6), (-60, 8), (-80, 8)))
 RIM_RIPPLE = 0.05
 CASES = (*SMALLER, ALONE, TEXTURED, *WIDER, *IN_FRONT, *ACROSS, *RIMS)
 
 
 def settings(method: str, aperture: str = "hexagon", **changes) -> methods.Settings:
-    """A method with its defaults; the leakage test, of 1080 rows, as far as it is in these."""
+    """Return a method with its default settings; the leakage test is scaled from 1080 rows to these."""
     scale = 1080 / SIZE[1]
     leakage = {"bleeding_bias": 0.02 * scale, "bleeding_mult": 30.0 / scale}
     return methods.Settings(method, aperture, camera=CAMERA, **leakage, **changes)
 
 
 METHODS = ("paper", "exact", "layered")
-# Overlap, ripple, light kept of each of METHODS, measured on llvmpipe; docs/results-data.md has them too
+# Overlap, ripple and light kept for each of METHODS, measured on llvmpipe; docs/results-data.md shows them too
 # fmt: off
 RECORDED = {
     "2 px of CoC 20 on a plane of 40": ((0.15, 0.81, 0.72), (0.79, 0.10, 0.98), (0.38, 0.55, 1.07)),
@@ -127,12 +134,12 @@ RECORDED = {
     "8 px with a rim of CoC -80 on a plane of 40": ((0.25, 0.24, 0.61), (0.21, 0.16, 0.92), (0.94, 0.02, 1.00)),
 }
 # fmt: on
-# Drivers differ by less; a change of a method has to be seen
+# Larger than the differences between drivers, small enough to notice a change of a method
 KNOWN = 0.02
 
 
 def _bounds(apart: Apart, method: str) -> tuple[tuple[float, float, float, float], str]:
-    """(least overlap, most ripple, least light, most light), and why."""
+    """Return (minimum overlap, maximum ripple, minimum light, maximum light), and why."""
     if method == "exact" and (apart in SMALLER or apart == TEXTURED):
         return (ASKED[round(apart.coc)], RIPPLE, *LIGHT_KEPT), "asked for"
     seen, ripple, light = RECORDED[apart.label][METHODS.index(method)]
@@ -155,7 +162,7 @@ def _judge(method: str, outputs: dict[str, Outputs]) -> list[Check]:
 
 
 def probe(method: str) -> Probe:
-    """The probe of one method."""
+    """Return the probe of one method."""
     title = f"A light keeps its own size whatever is behind it, {method}"
     shows = "A flat hexagon of the light's CoC; of exact, one of the background's where that has the smaller CoC."
     cases = tuple(apart.case(settings(method)) for apart in CASES)

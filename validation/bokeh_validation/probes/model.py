@@ -1,4 +1,4 @@
-"""What a probe is: pictures to render, and checks on them."""
+"""Define a probe: cases to render, and checks of the results."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
@@ -15,10 +15,11 @@ Outputs = Mapping[str, np.ndarray]
 
 @dataclass(frozen=True, eq=False)
 class Case:
-    """One rendering of a probe; equal to another with the same images, settings and outputs.
+    """Hold one rendering of a probe; two are equal if their images, settings and outputs are.
 
-    color, depth  (H, W, 4) float16 and (H, W) float32
-    keep          textures to look at, the result last
+    color  (H, W, 4) float16
+    depth  (H, W) float32, metres
+    keep   textures to return, the result last
     """
 
     label: str
@@ -29,17 +30,17 @@ class Case:
 
     @property
     def size(self) -> tuple[int, int]:
-        """(width, height)"""
+        """Return (width, height) in pixels."""
         return self.color.shape[1], self.color.shape[0]
 
     @property
     def plan(self) -> methods.Plan:
-        """Its passes."""
+        """Return the plan of its passes."""
         return methods.plan(self.settings, self.size)
 
     @cached_property
     def _key(self) -> tuple:
-        # not id(): another image may have that of one that was freed
+        # not id(), which may be that of a freed image
         images = [(pixels.shape, blake2b(pixels.tobytes()).digest()) for pixels in (self.color, self.depth)]
         return *images, self.settings, self.keep
 
@@ -50,13 +51,13 @@ class Case:
         return hash(self._key)
 
     def textures(self) -> dict[str, np.ndarray]:
-        """Everything the passes read."""
+        """Return everything that the passes read."""
         return {"color": self.color, "depth": self.depth, **self.plan.tables}
 
 
 @dataclass(frozen=True)
 class Check:
-    """A measured number and the interval it must be in; `why` derives the interval."""
+    """Hold a measured number and the interval that it must lie in; `why` explains the interval."""
 
     name: str
     value: float
@@ -66,16 +67,16 @@ class Check:
 
     @property
     def ok(self) -> bool:
-        """NaN is not ok."""
+        """Return whether the value lies in the interval; NaN does not."""
         return self.low <= self.value <= self.high
 
 
 @dataclass(frozen=True)
 class Probe:
-    """A test image with what it must show.
+    """Hold a test image with what it must show.
 
     judge  takes the outputs of every case (label -> texture name -> pixels, float64) and returns the checks
-    brief  False: left to the full run, because another probe shows the same on another polygon, or it is of an option
+    brief  False: only in the full run, because another probe shows the same on another polygon, or it tests an option
     """
 
     name: str
@@ -87,27 +88,27 @@ class Probe:
 
 
 def drawn(driver: Driver, case: Case) -> np.ndarray:
-    """The result of a case on a driver, (H, W, 4)."""
+    """Draw a case on a driver and return the result, (H, W, 4)."""
     return driver.run(case.plan.passes, case.textures(), case.size)["result"]
 
 
 def flat(size: tuple[int, int], value: float = 0.0, alpha: float = 1.0) -> np.ndarray:
-    """A grey image (H, W, 4) float16."""
+    """Return a grey image (H, W, 4) float16; `size` is (width, height)."""
     image = np.full((size[1], size[0], 4), value, np.float16)
     image[..., 3] = alpha
     return image
 
 
 def depth_of(size: tuple[int, int], metres: float) -> np.ndarray:
-    """A constant depth (H, W) float32."""
+    """Return a constant depth (H, W) float32."""
     return np.full((size[1], size[0]), metres, np.float32)
 
 
 def overlap(shape: np.ndarray, other: np.ndarray) -> float:
-    """Of two shapes: the sum of the smaller over the sum of the larger."""
+    """Return the overlap of two shapes: the sum of the pixelwise minimum over that of the maximum."""
     return float(np.minimum(shape, other).sum() / np.maximum(shape, other).sum())
 
 
 def pixel_center(column: int, row: int) -> tuple[float, float]:
-    """Place of a pixel's centre, in pixels from the image's corner."""
+    """Return the position of a pixel's centre, in pixels from the image's corner."""
     return column + 0.5, row + 0.5

@@ -1,7 +1,7 @@
-"""The layered method: near edges over what is in focus.
+"""Probe layered: near edges over what is in focus.
 
-Red is what is near, green what is in focus, blue a light: so each can be told from the others in one picture. Levels
-are alike, since the method compares brightness with that of the neighbourhood.
+Near objects are red, what is in focus is green, and lights are blue, so that they can be told apart in one image.
+Brightness levels are similar, because the method compares brightness with that of the neighbourhood.
 """
 
 from functools import partial
@@ -15,33 +15,33 @@ from bokeh_validation.probes.model import Case, Check, Outputs, Probe, depth_of,
 
 CAMERA = methods.Camera(aperture_diameter=1.0, focal_length=0.05, focus_distance=2.0, max_coc=1.0)
 SIZE = (96, 64)
-# One store in a half float that is cut off: a step of 2^-10 at most
+# One store in a half float that truncates: a step of 2^-10 at most
 STEP = 2.0**-10
-# From a near share of 0.998 a pixel counts as covered
+# A pixel is treated as covered from a near weight of 0.998
 WHOLE = 0.002
 INFINITY = float("inf")
 
 
 def metres(coc: float, height: int) -> float:
-    """Depth at which the signed CoC is so many pixels."""
+    """Return the depth in metres at which the signed CoC is `coc` pixels; `height` is that of the image, pixels."""
     magnification = CAMERA.focal_length / (CAMERA.focus_distance - CAMERA.focal_length)
     farthest = CAMERA.aperture_diameter * magnification / CAMERA.sensor_height * height
     return CAMERA.focus_distance / (1.0 - coc / farthest)
 
 
 def settings(aperture: str = "hexagon", **changes) -> methods.Settings:
-    """The layered method through CAMERA."""
+    """Return the layered method through CAMERA."""
     return methods.Settings("layered", aperture, camera=CAMERA, **changes)
 
 
 def checker(size: tuple[int, int]) -> np.ndarray:
-    """Squares of 8 pixels of 0.1 and 0.8, (H, W)."""
+    """Return a checker of 8-pixel squares of 0.1 and 0.8, (H, W)."""
     y, x = np.mgrid[0 : size[1], 0 : size[0]]
     return 0.1 + 0.7 * ((x // 8 + y // 8) % 2)
 
 
 def edge_spread(polygon: np.ndarray, distances: np.ndarray) -> np.ndarray:
-    """Share of a polygon on the left of an upright line at each distance from its middle: the integral of its width."""
+    """Return the fraction of a polygon to the left of a vertical line at each distance from its middle, pixels."""
     far = 2.0 * np.abs(polygon).max() + np.abs(distances).max()
     halves = (np.array([[-far, -far], [place, -far], [place, far], [-far, far]]) for place in distances)
     areas = [geometry.signed_area(geometry.clip_convex(polygon, half)) for half in halves]
@@ -49,7 +49,7 @@ def edge_spread(polygon: np.ndarray, distances: np.ndarray) -> np.ndarray:
 
 
 def steepest(polygon: np.ndarray) -> float:
-    """Largest change of the edge spread over a pixel: the polygon's largest width over its area."""
+    """Return the largest change of the edge spread over a pixel: the polygon's largest width over its area."""
     places = np.linspace(polygon[:, 0].min(), polygon[:, 0].max(), 129)
     return float((np.diff(edge_spread(polygon, places)) / np.diff(places)).max())
 
@@ -60,7 +60,7 @@ FILLED = "what is hidden is filled with a mean of what is around, 0.1 to 0.8; th
 
 
 def near_case(label: str, coc: float, near: np.ndarray, chosen: methods.Settings) -> Case:
-    """Something red and near, `near` (H, W) bool, over a green checker in focus."""
+    """Return a red near object, `near` (H, W) bool, over a green checker in focus. `coc` is in pixels."""
     height, width = near.shape
     color, depth = flat((width, height)), depth_of((width, height), CAMERA.focus_distance)
     color[..., 0] = near
@@ -70,9 +70,12 @@ def near_case(label: str, coc: float, near: np.ndarray, chosen: methods.Settings
 
 
 def edge_case(coc: float, aperture: str, rotation: float) -> Case:
-    """The left half is near, as wide as the blur and some pixels on both sides; CAMERA has no CoC above the height."""
+    """Return a case with the left half near, wide enough for the blur and a margin on both sides.
+
+    The image is at least as high as `coc` pixels, because CAMERA has no CoC above the height.
+    """
     width, height = 2 * ceil(coc * 0.5) + 24, max(48, coc + 8)
-    # the edge lies between two pixels of a texel of half the size
+    # the edge lies between the two pixels of a texel at half size
     near = np.broadcast_to(np.arange(width) < width // 2 + 1, (height, width))
     return near_case(f"CoC {coc}", coc, near, settings(aperture, rotation=rotation))
 
@@ -101,7 +104,7 @@ def _judge_edges(aperture: str, rotation: float, outputs: dict[str, Outputs]) ->
 
 
 def edge_probe(aperture: str, rotation: float) -> Probe:
-    """The probe of one polygon."""
+    """Return the probe of one polygon. `rotation` is in degrees."""
     title = f"A near edge spreads over what is in focus, {aperture}"
     shows = "A soft edge as a lens makes it; the checker is sharp up to the edge, and goes on behind it."
     cases = tuple(edge_case(coc, aperture, rotation) for coc in EDGE_COCS)

@@ -1,6 +1,6 @@
-"""What probes, scenes and samples showed on the drivers, as the terminal and the report have it.
+"""Collect what probes, scenes and samples showed on the drivers, for the terminal and the report.
 
-It comes from other processes, so a picture is text (a data: address). A target that passed shows the reference only.
+Results come from other processes, so images are text (data: URIs). A target that passed shows only the reference.
 """
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
@@ -23,7 +23,7 @@ DIFFERENCE_STEPS = 8
 
 @dataclass(frozen=True)
 class Panel:
-    """A picture with its caption; `difference` is the distance to the reference, of what failed."""
+    """Hold an image with its caption; `difference` shows the distance to the reference of a failed result."""
 
     caption: str
     picture: str
@@ -33,7 +33,7 @@ class Panel:
 
 @dataclass(frozen=True)
 class Run:
-    """A probe, a scene or a sample on one driver."""
+    """Hold the result of a probe, scene or sample on one driver."""
 
     driver: str
     comparisons: Mapping[str, Comparison]
@@ -41,11 +41,11 @@ class Run:
 
     @property
     def ok(self) -> bool:
-        """All checks and all comparisons."""
+        """Return whether all checks and comparisons pass."""
         return all(result.ok for result in (*self.checks, *self.comparisons.values()))
 
     def lines(self, every: bool) -> Iterator[str]:
-        """What was measured; `every`: that too which is as it should be."""
+        """Yield what was measured, one line each; with `every`, what passed as well."""
         for check in self.checks:
             if every or not check.ok:
                 state = OK if check.ok else f"{FAILED}: {check.why}"
@@ -57,9 +57,9 @@ class Run:
 
 @dataclass(frozen=True)
 class Outcome:
-    """A row of the grid with its details.
+    """Hold a row of the grid with its details.
 
-    strips    heading -> pictures
+    strips    heading -> images
     adapters  driver -> its device
     missing   driver -> why it was not run
     """
@@ -74,13 +74,13 @@ class Outcome:
 
     @property
     def ok(self) -> bool:
-        """On every driver."""
+        """Return whether it passed on every driver."""
         return all(run.ok for run in self.runs)
 
 
 @lru_cache
 def driver_or_reason(name: str, adapter: str | None = None) -> Driver | str:
-    """Return a driver, made once in this process, or why it is missing."""
+    """Return a driver, created once per process, or the reason why it is missing."""
     try:
         return drivers.load(name, adapter)
     except Unavailable as error:
@@ -88,7 +88,7 @@ def driver_or_reason(name: str, adapter: str | None = None) -> Driver | str:
 
 
 def of_probe(probe: Probe, name: str, adapter: str | None = None) -> Outcome:
-    """Draw a probe on the driver of that name, compare it with the reference and judge it."""
+    """Draw a probe on the driver with this name, compare it with the reference and judge it."""
     driver = driver_or_reason(name, adapter)
     if isinstance(driver, str):
         return Outcome(probe.name, probe.title, probe.shows, missing={name: driver})
@@ -110,7 +110,7 @@ def of_driver(probe: Probe, driver: Driver) -> Outcome:
 
 
 def merged(outcomes: Iterable[Outcome]) -> list[Outcome]:
-    """Join the outcomes of the same name, which are those of several drivers."""
+    """Join the outcomes of the same name, which come from different drivers."""
     found: dict[str, Outcome] = {}
     for other in outcomes:
         one = found.get(other.name)
@@ -119,7 +119,7 @@ def merged(outcomes: Iterable[Outcome]) -> list[Outcome]:
 
 
 def _joined(one: Outcome, other: Outcome) -> Outcome:
-    # the first picture of each strip is the reference's, which both have
+    # the first image of each strip is the reference's, which both have
     strips = {label: [*one.strips.get(label, panels[:1]), *panels[1:]] for label, panels in other.strips.items()}
     return replace(
         one,
@@ -131,7 +131,7 @@ def _joined(one: Outcome, other: Outcome) -> Outcome:
 
 
 def strip(driver: str, name: str, result: CaseResult) -> list[Panel]:
-    """A target of one case: the reference's picture, and the driver's if it is not within the interval."""
+    """Return the images of a target of one case: the reference's, and the driver's if it is outside the interval."""
     expected = result.expected[name].value
     panels = [Panel("reference", pictures.jpeg_uri(pictures.display(expected, tone_map=True)))]
     if not result.comparisons[name].ok:
@@ -140,7 +140,7 @@ def strip(driver: str, name: str, result: CaseResult) -> list[Panel]:
 
 
 def panel(caption: str, pixels: np.ndarray, expected: np.ndarray, comparison: Comparison) -> Panel:
-    """A picture; with its distance where it is not as the reference has it."""
+    """Return an image with its caption, and with a map of its distance to the reference if it failed."""
     shown = pictures.display(pixels, tone_map=True)
     if comparison.ok:
         numbers = f"{100 * comparison.close:.2f} % within {metrics.CLOSE_STEPS} steps"
@@ -150,12 +150,12 @@ def panel(caption: str, pixels: np.ndarray, expected: np.ndarray, comparison: Co
 
 
 def drivers_of(outcomes: Iterable[Outcome]) -> list[str]:
-    """Return the drivers that ran, each once."""
+    """Return the drivers that ran, without duplicates."""
     return list(dict.fromkeys(run.driver for outcome in outcomes for run in outcome.runs))
 
 
 def print_grid(outcomes: Sequence[Outcome]) -> None:
-    """Print a row for each, a column for each driver."""
+    """Print a table with a row per outcome and a column per driver."""
     names = drivers_of(outcomes)
     table = Table("", *names, box=None, pad_edge=False)
     for outcome in outcomes:
@@ -165,7 +165,7 @@ def print_grid(outcomes: Sequence[Outcome]) -> None:
 
 
 def print_runs(outcome: Outcome, every: bool) -> None:
-    """Print what was measured; `every`: that too which is as it should be."""
+    """Print what was measured; with `every`, what passed as well."""
     for run in outcome.runs:
         who = " ".join(dict.fromkeys((run.driver, outcome.name)))
         for line in run.lines(every):
@@ -173,7 +173,7 @@ def print_runs(outcome: Outcome, every: bool) -> None:
 
 
 def print_details(outcomes: Sequence[Outcome], every: bool) -> None:
-    """Print what was measured, and what was not run, each once."""
+    """Print what was measured, then what was not run, without duplicates."""
     for outcome in outcomes:
         print_runs(outcome, every)
     tell_missing({name: reason for outcome in outcomes for name, reason in outcome.missing.items()})

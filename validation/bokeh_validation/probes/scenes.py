@@ -1,4 +1,4 @@
-"""Small scenes with depth: intensity leakage, sharp silhouette, blurred CoC."""
+"""Probe small scenes with depth: intensity leakage, sharp silhouettes, blurred CoC."""
 
 from dataclasses import replace
 
@@ -11,19 +11,19 @@ from bokeh_validation.reference import listings
 SIZE = (160, 120)
 CAMERA = methods.Camera(aperture_diameter=0.1, focal_length=0.05, focus_distance=2.0, max_coc=0.2)
 NEAR, FOCUS, FAR = 1.0, 2.0, 20.0
-# a bright square in the middle of the image: rows and columns it covers
+# rows and columns of a bright square in the middle of the image
 SQUARE = (slice(44, 76), slice(64, 96))
 HALF_STEP = 2.0**-10
 
 
 def thin_lens(depth):
-    """CoC of a depth or of an array of them, fraction of the image height."""
+    """Return the CoC of a depth or an array of depths in metres, fraction of the image height."""
     lens = CAMERA.aperture_diameter, CAMERA.focal_length, CAMERA.focus_distance, CAMERA.sensor_height, CAMERA.max_coc
     return listings.circle_of_confusion(depth, *lens)
 
 
 def square_scene(inside: tuple[float, float], outside: tuple[float, float]) -> tuple[np.ndarray, np.ndarray]:
-    """Colour and depth of a square before a background; each given as (value, depth)."""
+    """Return colour and depth of a square in front of a background, each given as (value, depth in metres)."""
     color, depth = flat(SIZE, outside[0]), depth_of(SIZE, outside[1])
     color[SQUARE][..., :3] = inside[0]
     depth[SQUARE] = inside[1]
@@ -31,7 +31,7 @@ def square_scene(inside: tuple[float, float], outside: tuple[float, float]) -> t
 
 
 def _outside(image: np.ndarray) -> np.ndarray:
-    """Values around the square."""
+    """Return the values around the square, (N,)."""
     around = np.ones_like(image, bool)
     around[SQUARE] = False
     return image[around]
@@ -43,16 +43,16 @@ def _settings(aperture: str = "square", **changes) -> methods.Settings:
 
 def _judge_leakage(outputs: dict[str, Outputs]) -> list[Check]:
     unfixed, fixed = (textures["result"][..., 1] for textures in outputs.values())
-    # the square is brighter than the background by so much
+    # the square's brightness above the background
     without, leaked = (_outside(value - 0.25).sum() / 15.75 for value in (unfixed, fixed))
-    # Without the fix the background collects the square's light over half a CoC around it. A box filter gives to the
-    # outside the mean of |x| over the line, L / 4, for each pixel of edge and each of the two lines.
+    # Without the fix the background collects the square's light up to half a CoC around it. A box filter gives the
+    # outside the mean of |x| over the line, L / 4, per pixel of edge and for each of the two lines.
     side, line = SQUARE[0].stop - SQUARE[0].start, float(thin_lens(FAR)) * SIZE[1]
     expected = 2 * 2 * side * line / 8
     why = f"perimeter x CoC / 8 = {expected:.0f}, within a factor of two for the square's corners"
-    # With the fix only samples that straddle the edge still leak: their nearest depth is the background's, but up to
-    # half a texel of the square is in their colour. That is a strip of 1/8 pixel (the integral of x over half a texel)
-    # in place of line / 8 pixels.
+    # With the fix only samples across the edge still leak: their nearest depth is the background's, but their colour
+    # contains up to half a texel of the square. That is a strip of 1/8 pixel (the integral of x over half a texel)
+    # instead of line / 8 pixels.
     strip = "a strip of 1/8 pixel where samples straddle the edge, against CoC / 8 pixels; twice for two passes"
     change = float(np.abs(fixed[SQUARE] / 16.0 - 1.0).max())
     same = "CoC 0: every sample is the pixel itself; three stores of one step each"
@@ -101,7 +101,9 @@ SILHOUETTE = Probe(
 
 
 def branches() -> tuple[np.ndarray, np.ndarray]:
-    """A slanted dark branch, slightly blurred, before a bright background that is blurred three times as much."""
+    """Return a slanted dark branch, slightly blurred, in front of a bright background that is blurred three times as
+    much.
+    """
     color, depth = flat(SIZE, 2.0), depth_of(SIZE, 3.0)
     y, x = np.mgrid[0 : SIZE[1], 0 : SIZE[0]]
     branch = np.abs(x - 80 - 0.5 * (y - 60)) < 12
@@ -111,7 +113,7 @@ def branches() -> tuple[np.ndarray, np.ndarray]:
 
 
 def _steepest(value: np.ndarray) -> float:
-    """Largest difference of horizontal neighbours, away from the image's border."""
+    """Return the largest difference of horizontal neighbours, away from the image's border."""
     return float(np.abs(np.diff(value[20:-20], axis=1)).max())
 
 

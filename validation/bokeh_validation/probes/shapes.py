@@ -1,4 +1,4 @@
-"""The shape that a method blurs into, and the same blur by a brute-force gather."""
+"""Describe the shape that a method blurs into, and compute the same blur by a brute-force gather."""
 
 from dataclasses import replace
 
@@ -9,12 +9,12 @@ from bokeh_validation.frame import aperture_shapes, geometry, methods
 from bokeh_validation.probes.model import Case
 from bokeh_validation.shaders.passes import Pass
 
-# Lattice points across the CoC: 900 and more inside a hexagon and an octagon.
+# Lattice points across the CoC; a hexagon or octagon then contains at least 900.
 BRUTE_CELLS = 38
 
 
 def outline(settings: methods.Settings) -> np.ndarray:
-    """Corners of the shape that a method blurs into, (N, 2), for a CoC of 1, not mirrored."""
+    """Return the corners of the shape that a method blurs into, (N, 2), for a CoC of 1, not mirrored."""
     if settings.method == "exact":
         return aperture_shapes.even_polygon(methods.EXACT[settings.aperture], settings.rotation)
     if settings.aperture in aperture_shapes.POLYGONS:
@@ -26,9 +26,9 @@ def outline(settings: methods.Settings) -> np.ndarray:
 
 
 def brute_force(driver: Driver, case: Case, cells: int = BRUTE_CELLS) -> np.ndarray:
-    """The polygon of a case gathered by the naive pass with `cells` samples across, (H, W, 4)."""
+    """Gather the polygon of a case with the naive pass, with `cells` samples across; returns (H, W, 4)."""
     corners = outline(case.settings)
-    # midpoints of a square lattice, mirrored as a gather needs them
+    # points of a square lattice, mirrored as a gather needs them
     table = -aperture_shapes.lattice_kernel(cells, lambda x, y: geometry.inside(corners, x, y))
     inputs = {"ColorSamp": "coc", "DepthSamp": "depth", "KernelSamp": "kernel"}
     naive = methods.plan(replace(case.settings, method="naive", aperture="hexagon", spacing=0.0, samples=3), case.size)

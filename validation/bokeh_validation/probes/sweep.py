@@ -1,4 +1,4 @@
-"""The layered method: nothing may jump while the CoC grows."""
+"""Probe layered: nothing may jump while the CoC grows."""
 
 import numpy as np
 
@@ -6,14 +6,14 @@ from bokeh_validation.probes.model import Case, Check, Outputs, Probe, depth_of,
 from bokeh_validation.probes.near_edges import STEP, metres, settings
 
 SWEEP_STEP = 0.25
-# Through the focus, and where a plane goes from the gather into the near and the far layer
+# CoC ranges in pixels: through the focus, and where a plane moves from the gather into the near and the far layer
 SWEEPS = ((-9.75, -8.25), (-3.0, 0.0), (0.0, 3.0), (12.25, 13.75))
 SWEEP_COCS = [np.arange(first, last + SWEEP_STEP / 2, SWEEP_STEP) for first, last in SWEEPS]
 SWEEP_SIZE = (40, 32)
 
 
 def hills() -> np.ndarray:
-    """Random values 6 pixels apart, with straight slopes between them, 0 to 1, (H, W, 4) float16 in SWEEP_SIZE."""
+    """Return random values 6 pixels apart with linear slopes between them, 0 to 1, (H, W, 4) float16 of SWEEP_SIZE."""
     width, height = SWEEP_SIZE
     values = np.random.default_rng(3).random((height // 6 + 2, width // 6 + 2, 3))
     for axis, length in ((0, height), (1, width)):
@@ -27,14 +27,15 @@ def hills() -> np.ndarray:
 
 
 def jump_allowed(first: np.ndarray, last: np.ndarray) -> float:
-    """How far a pixel of hills() may change in a step of a sweep; its pictures at both ends, (H, W, 3).
+    """Return how much a pixel of hills() may change in one step of a sweep, given the results at its ends, (H, W, 3).
 
-    A lens moves what a pixel sees by half of the step at most: half the step times the largest difference of
-    neighbours on each axis. A plane goes into a layer within 1.2 pixels of CoC (its share is 5 (c - 6) / 6 - 2 of the
-    near layer, 5 (c - 10) / 6 - 2 of the far one). What it becomes by that, the two ends of the sweep, comes at that
-    rate, or at twice that where two shares are multiplied: 0.42 of it in a quarter of a pixel. The gather's first ring,
-    a pixel away, comes with a weight of 2 (r - 1/2) / max(r^2, 1/4), r half the CoC less half a pixel, against
-    1/4 / max(r^2, 1/4) of the middle: a half within the first quarter. So half of it is allowed; a pop is all of it.
+    A lens moves what a pixel sees by at most half of the step: half the step times the largest difference of
+    neighbours along each axis. A plane enters a layer within 1.2 pixels of CoC (its weight is 5 (c - 6) / 6 - 2 in the
+    near layer, 5 (c - 10) / 6 - 2 in the far layer). The change from one end of the sweep to the other happens at that
+    rate, or at twice that rate where two weights are multiplied: 0.42 of it in a quarter of a pixel. The first ring of
+    the gather, one pixel away, appears with a weight of 2 (r - 1/2) / max(r^2, 1/4), where r is half the CoC less half
+    a pixel, against 1/4 / max(r^2, 1/4) for the centre: half of it within the first quarter. So half of the whole
+    change is allowed in one step; a pop would be all of it.
     """
     image = hills()[..., :3].astype(np.float64)
     slopes = sum(np.abs(np.diff(image, axis=axis)).max() for axis in (0, 1))

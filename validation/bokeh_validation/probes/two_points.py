@@ -1,4 +1,4 @@
-"""Two bright pixels: Figures 12 and 13. The paper's min and max must show what is wrong."""
+"""Probe two bright pixels (Figures 12 and 13): the paper's min and max must show their known artefacts."""
 
 from functools import partial
 
@@ -10,16 +10,17 @@ from bokeh_validation.probes.highlight import AMBIENT
 from bokeh_validation.probes.model import Check, Outputs, Probe, pixel_center
 
 SIZE = (160, 128)
-# Second point relative to the first, pixels, for a CoC of 36: where a corner that min discards around one point falls
-# on one discarded around the other (found by a scan of the analytic shapes, largest light in false shapes).
+# Second point relative to the first, pixels, for a CoC of 36: chosen so that a corner discarded by min around one
+# point falls on a corner discarded around the other. Found by scanning the analytic shapes for the most light in false
+# shapes.
 OFFSETS = {"hexagon": (0, 38), "octagon": (38, 16), "star": (36, 16)}
 
 
 def ripple(aperture: str) -> float:
-    """How far the bilinear samples of a parallelogram's two lines are from adding up to a constant, relative.
+    """Return how far the sum of the bilinear samples of a parallelogram's two lines departs from a constant, relative.
 
-    A wide blur of a point is a lattice of tent filters, one for each pair of samples. On a lattice that is not aligned
-    with the pixels their sum varies: 34 % at a sample a pixel and 45 degrees, 5 % at two.
+    A wide blur of a point is a lattice of tent filters, one for each pair of samples. If the lattice is not aligned
+    with the pixels, their sum varies: by 34 % at one sample per pixel and 45 degrees, by 5 % at two.
     """
     spacing = impulse.COC / (impulse.SAMPLES - 1)
     shape = aperture_shapes.PARALLELOGRAMS[aperture][-1]
@@ -34,15 +35,17 @@ def ripple(aperture: str) -> float:
 
 
 def points(aperture: str) -> tuple[tuple[int, int], tuple[int, int]]:
-    """Both pixels, (column, row), about the middle of the image."""
+    """Return both pixels, (column, row) each, around the middle of the image."""
     dx, dy = OFFSETS[aperture]
     first = ((SIZE[0] - dx) // 2, (SIZE[1] - dy) // 2)
     return first, (first[0] + dx, first[1] + dy)
 
 
 def _analytic(aperture: str) -> tuple[np.ndarray, np.ndarray]:
-    """In units of the plateau, (H, W): both apertures, added where they overlap; and what the paper's method makes of
-    them, where each parallelogram's blur has both points before min or max.
+    """Return two images (H, W) in units of the plateau: the sum of both apertures, and what the paper's method makes
+    of them.
+
+    In the paper's method each parallelogram's blur contains both points before min or max combines them.
     """
     combine = np.maximum if aperture in aperture_shapes.USES_MAX else np.minimum
     first, second = (
@@ -55,7 +58,7 @@ def _analytic(aperture: str) -> tuple[np.ndarray, np.ndarray]:
 def _judge_min(aperture: str, outputs: dict[str, Outputs]) -> list[Check]:
     value = (outputs["two points"]["result"][..., 1] - AMBIENT) / impulse.plateau(aperture)
     truth, predicted = _analytic(aperture)
-    # a pixel away from the true shapes, so that their soft edges do not count as false light
+    # a pixel away from the true shapes, so that their soft edges are not taken for false light
     outside = grown(truth > 0) == 0
     light = truth.sum() / 2
     seen, expected = value[outside].sum() / light, predicted[outside].sum() / light
@@ -72,7 +75,7 @@ def _judge_min(aperture: str, outputs: dict[str, Outputs]) -> list[Check]:
 def _judge_max(aperture: str, outputs: dict[str, Outputs]) -> list[Check]:
     value = (outputs["two points"]["result"][..., 1] - AMBIENT) / impulse.plateau(aperture)
     truth, predicted = _analytic(aperture)
-    # where the formula says that one of two highlights is missing; a pixel away from the edges of that place
+    # where the formula predicts that one of two highlights is missing, without a border of one pixel
     missing = truth - predicted > 0.5
     inner, off = ~grown(~missing), ripple(aperture)
     shown, expected = (image[inner].mean() / truth[inner].mean() for image in (value, predicted))
@@ -84,12 +87,12 @@ def _judge_max(aperture: str, outputs: dict[str, Outputs]) -> list[Check]:
 
 
 def grown(mask: np.ndarray) -> np.ndarray:
-    """A mask and the pixels next to it."""
+    """Return a mask grown by one pixel."""
     return np.lib.stride_tricks.sliding_window_view(np.pad(mask, 1), (3, 3)).any(axis=(2, 3))
 
 
 def _boundary_pixels(image: np.ndarray) -> float:
-    """Number of pixels at which a picture of plateaus changes: the length of its boundary."""
+    """Return the length of the boundaries in an image of plateaus, as the number of pixels where it changes."""
     across, down = (np.abs(np.diff(image, axis=axis)) > 0.01 for axis in (1, 0))
     return float((across[:-1] | down[:, :-1]).sum())
 
