@@ -1,4 +1,4 @@
-"""What Godot's CompositorEffect has of a frame: the versions of one shader, and the passes by those names."""
+"""Describe a frame for Godot's CompositorEffect: the variants of one shader, and the passes that use them."""
 
 import re
 from functools import cache
@@ -7,13 +7,13 @@ from typing import NamedTuple
 from bokeh_validation.generate import samples
 
 METHODS = ("layered", "exact")
-# What the CoC map reads of the engine, and what the last pass writes
+# What the CoC map reads from the engine, and what the last pass writes
 COLOR, DEPTH = "color", "depth"
 MAP = "map"
 
 
 class Version(NamedTuple):
-    """A program. It reads `slot_0` and so on, those of `slots`; `returned` as in samples.Row."""
+    """Describe a program. It reads `slot_0` and so on, for the numbers in `slots`; `returned` as in samples.Row."""
 
     name: str
     slots: tuple[int, ...]
@@ -22,7 +22,7 @@ class Version(NamedTuple):
 
 
 class Step(NamedTuple):
-    """A pass: program, what the size of its targets is divided by, textures by slot ('-': none), targets."""
+    """Describe a pass: program, divisor of its targets' size, textures by slot ('-': none), targets."""
 
     version: str
     scale: int
@@ -32,7 +32,7 @@ class Step(NamedTuple):
 
 @cache
 def _numbered() -> dict[tuple[str, tuple[str, ...]], Version]:
-    """Call and what it returns -> version, of all passes after the CoC map; the same call is one program."""
+    """Return (call, returned) -> variant, for all passes after the CoC map; equal calls share a program."""
     found: dict[tuple[str, tuple[str, ...]], Version] = {}
     for method in METHODS:
         for aperture in samples.polygons(method):
@@ -48,7 +48,7 @@ def _numbered() -> dict[tuple[str, tuple[str, ...]], Version]:
 
 
 def versions() -> list[Version]:
-    """Return every program after the CoC map's, each once."""
+    """Return every program after the CoC map's, without duplicates."""
     return list(_numbered().values())
 
 
@@ -62,7 +62,7 @@ def frame(method: str, aperture: str) -> list[Step]:
 
 
 def _slotted(row: samples.Row) -> str:
-    """The call of a pass with slot_0, slot_1 .. in place of its textures."""
+    """Return the call of a pass with slot_0, slot_1 and so on instead of its textures' names."""
     call = row.call
     for i, texture in enumerate(row.reads):
         call = re.sub(rf"(?<!\.)\b{texture}\b", f"slot_{i}", call) if texture != "-" else call

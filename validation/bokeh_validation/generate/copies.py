@@ -1,4 +1,4 @@
-"""The copies of the shaders in the packages for Unity, Unreal and ReShade, and the files that only Unity wants."""
+"""Make the copies of the shaders in the packages for Unity, Unreal and ReShade, and the files that only Unity needs."""
 
 import hashlib
 import json
@@ -12,14 +12,14 @@ from bokeh_validation.frame import methods
 from bokeh_validation.shaders.entries import ENTRIES, EXACT
 
 UNITY, UNREAL = "integration/unity", "integration/unreal/BokehDepthOfField"
-# The folder that ReShade's archive has
+# The folder in ReShade's archive
 RESHADE = "integration/reshade/Shaders"
 STEMS = ("bokeh", "bokeh_paper", "bokeh_layers", "bokeh_passes")
 LICENSED = (
     f"{UNITY}/LICENSE.md", f"{UNREAL}/LICENSE", "integration/godot/addons/polygon_bokeh/LICENSE",
     "integration/panda3d/LICENSE", "integration/bevy/LICENSE", "integration/wgpu/LICENSE",
 )  # fmt: skip
-# A material for each preset. Unity builds those variants of the shader that a material has the keywords of.
+# A material for each preset. A build of Unity includes the shader variants whose keywords some material has.
 MATERIAL = """%YAML 1.1
 %TAG !u! tag:unity3d.com,2011:
 --- !u!21 &2100000
@@ -47,13 +47,13 @@ Material:
     m_Colors: []
   m_BuildTextureStacks: []
 """
-# These engines place textures and parameters themselves
+# These engines assign registers and parameters themselves
 UNPLACED = (
     (r" : register\([\w#]+\)", ""),
     (r"#if BOKEH_HLSL_SM > 3\ncbuffer BokehParameters\n\{\n#endif\n\n", ""),
     (r"\n#if BOKEH_HLSL_SM > 3\n\}\n#endif\n", ""),
 )
-# Unreal's full-screen pass has a position and no uv
+# Unreal's full-screen pass provides a position but no uv
 FROM_POSITION = (
     (r"#define BOKEH_INPUT float4 position : SV_Position, .*", "#define BOKEH_INPUT float4 position : SV_Position"),
     (r"^(.*_PS\(BOKEH_INPUT.*\n\{\n)", r"\1    float2 uv = BokehTargetUV(position);\n"),
@@ -61,7 +61,7 @@ FROM_POSITION = (
 
 
 def texts() -> dict[str, str]:
-    """Path below the checkout -> text, without Unity's .meta files. Raises UserError."""
+    """Return path below the checkout -> text, without Unity's .meta files. Raises UserError."""
     made = dict.fromkeys(LICENSED, (paths.ROOT / "LICENSE").read_text(encoding="utf-8"))
     for stem in STEMS:
         text = plain = shaders.file_text("hlsl", stem)
@@ -76,7 +76,7 @@ def texts() -> dict[str, str]:
 
 
 def materials() -> dict[str, str]:
-    """The materials of Unity's package: MEDIUM is the shader without a keyword."""
+    """Return the materials of Unity's package. MEDIUM is the shader without a keyword."""
     shader = guid("Shaders/BokehDepthOfField.shader")
     found = {}
     for preset in methods.PRESETS:
@@ -87,8 +87,9 @@ def materials() -> dict[str, str]:
 
 
 def guid(place: str) -> str:
-    """Of a file of Unity's package: by name and place, so that it is the same in the next version, since scenes and
-    profiles refer to it.
+    """Return the GUID of a file of Unity's package, from the names of package and file.
+
+    It stays the same in later versions, because scenes and profiles refer to it.
     """
     package = json.loads((paths.ROOT / UNITY / "package.json").read_bytes())["name"]
     return hashlib.md5(f"{package}/{place}".encode()).hexdigest()
@@ -103,7 +104,7 @@ def _changed(text: str, changes: tuple[tuple[str, str], ...]) -> str:
 
 
 def metas(made: Mapping[str, str]) -> dict[str, str]:
-    """A .meta for all that is in Unity's package or `made` for it: Unity leaves out what has none."""
+    """Return a .meta file for everything in Unity's package and in `made`; Unity ignores files without one."""
     folder = paths.ROOT / UNITY
     there = {path.relative_to(folder).as_posix() for path in folder.rglob("*") if "~/" not in f"{path}/"}
     there |= {name.removeprefix(f"{UNITY}/") for name in made if name.startswith(UNITY)}
@@ -116,7 +117,7 @@ def metas(made: Mapping[str, str]) -> dict[str, str]:
 
 
 def drawn() -> dict[str, bool]:
-    """Names, without Bokeh, of the entries that frames are drawn with -> whether they draw the result."""
+    """Return the names, without Bokeh, of the entries that frames use -> whether they draw the result."""
     used = {"Debug": True, "LinearDepth": False}
     for method in ("layered", "exact", "paper"):
         for aperture in ("hexagon", "octagon") if method == "paper" else EXACT:

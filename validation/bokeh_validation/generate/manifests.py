@@ -1,6 +1,6 @@
-"""Addresses of the repository in the manifests of every package: `validation/run generate --repository ADDRESS`.
+"""Write the repository's addresses into every package's manifest: `validation/run generate --repository ADDRESS`.
 
-The checkout does not know where it is published, so manifests have none until somebody says so.
+The checkout does not know where it is published, so manifests have no addresses until this command sets them.
 """
 
 import json
@@ -14,7 +14,7 @@ PYPROJECT = "integration/panda3d/pyproject.toml"
 
 
 def with_repository(address: str) -> dict[str, str]:
-    """Return path below the checkout -> text of each manifest with these addresses, in place of those that it has.
+    """Return path below the checkout -> text of each manifest with these addresses, which replace earlier ones.
 
     address  of the repository's page, such as https://example.com/owner/name
 
@@ -67,7 +67,9 @@ def _text(name: str) -> str:
 
 
 def _json(name: str, after: str, values: dict[str, object]) -> str:
-    """Return a JSON manifest with these values behind a key, and without those that it had."""
+    """Return the text of a JSON manifest with these values after the key `after`; earlier values of their keys are
+    removed.
+    """
     text = _text(name)
     indent = re.search(r"^( +)\"", text, re.MULTILINE)[1]
     for key in values:
@@ -77,6 +79,6 @@ def _json(name: str, after: str, values: dict[str, object]) -> str:
 
 
 def _line(name: str, after: str, old: str, line: str) -> str:
-    """Return a manifest with a line behind another, and without the one that it had."""
+    """Return the text of a manifest with a line after another one; an earlier one that matches `old` is removed."""
     text = re.sub(rf"{old}\n", "", _text(name), flags=re.MULTILINE)
     return re.sub(after, lambda found: f"{found[0]}\n{line}", text, count=1, flags=re.MULTILINE)

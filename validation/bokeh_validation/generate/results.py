@@ -1,6 +1,7 @@
-"""The tables of measured numbers on the pages, written from docs/data; and docs/data/results.csv, the same as one list.
+"""Write the pages' tables of measured numbers from docs/data, and docs/data/results.csv with the same numbers as a
+list.
 
-A page has a pair of markers for each of its tables, with the table's name. To change a number, change docs/data, then
+Each table of a page lies between a pair of markers with the table's name. To change a number, change docs/data, then
 run `validation/run generate`.
 """
 
@@ -17,18 +18,18 @@ from bokeh_validation.probes import lights_apart
 Table = list[list[str]]
 CSV = "docs/data/results.csv"
 SCENES = ("market_7", "street_11", "canopy_12", "street_11x3", "canopy_12x3")
-# Measure of truth.json and peers.json -> its name, and how it is rounded
+# Key in truth.json and peers.json -> name of the measure, and its format
 MEASURES = {"flip": ("FLIP", "{:.4f}"), "psnr": ("PSNR", "{:.2f}"), "light": ("light kept", "{:.3f}")}
 
 
 @cache
 def data(name: str) -> dict:
-    """Return the content of a file of docs/data."""
+    """Return the content of a JSON file of docs/data."""
     return json.loads((paths.ROOT / f"docs/data/{name}.json").read_text(encoding="utf-8"))
 
 
 def ray_traced() -> dict[str, dict[str, dict]]:
-    """Return method or effect -> scene -> its row in truth.json or peers.json, ours first."""
+    """Return method or effect -> scene -> its row in truth.json or peers.json, this package's methods first."""
     found: dict[str, dict[str, dict]] = {}
     for name in ("truth", "peers"):
         for row in data(name)["rows"]:
@@ -37,12 +38,12 @@ def ray_traced() -> dict[str, dict[str, dict]]:
 
 
 def flip_means() -> dict[str, float]:
-    """Return method or effect -> mean FLIP of the five scenes."""
+    """Return method or effect -> mean FLIP over the five scenes."""
     return {label: mean(rows[scene]["flip"] for scene in SCENES) for label, rows in ray_traced().items()}
 
 
 def tables() -> dict[str, dict[str, Table]]:
-    """Return page -> name of a table -> its rows, the header first. All tables of measured numbers."""
+    """Return page -> name of a table -> its rows with the header first, for all tables of measured numbers."""
     measured = {}
     for key, (name, rounded) in MEASURES.items():
         rows = [[label, *(rounded.format(row[scene][key]) for scene in SCENES)] for label, row in ray_traced().items()]
@@ -60,7 +61,7 @@ def tables() -> dict[str, dict[str, Table]]:
 
 
 def markdown(rows: Table) -> Iterator[str]:
-    """Yield the lines of a table."""
+    """Yield the lines of a Markdown table."""
     header, *others = rows
     yield f"| {' | '.join(header)} |"
     yield f"|{'---|' * len(header)}"
@@ -69,12 +70,14 @@ def markdown(rows: Table) -> Iterator[str]:
 
 
 def as_csv() -> str:
-    """Return docs/data/results.csv: page, table, row, column, value; rows of two names have them with a comma."""
+    """Return docs/data/results.csv: page, table, row, column, value; a row with two labels has them separated by a
+    comma.
+    """
     target = io.StringIO()
     writer = csv.writer(target, lineterminator="\n")
     writer.writerow(("page", "table", "row", "column", "value"))
     pages = tables()
-    # it repeats results-data.md
+    # results.md repeats results-data.md
     del pages["results.md"]
     for page, named in pages.items():
         for table, (header, *rows) in named.items():

@@ -1,4 +1,4 @@
-"""The passes of a frame as the templates of the samples see them."""
+"""Describe the passes of a frame for the templates of the samples."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -10,28 +10,29 @@ from bokeh_validation.shaders import calls
 from bokeh_validation.shaders.entries import ADAPTIVE, COLORS, COPY, EDGE, ENTRIES, EXACT
 from bokeh_validation.shaders.passes import Pass
 
-# What the samples call what they hand to a frame: the engine's depth buffer, and metres for paper
+# The samples' names for the inputs of a frame: the engine's depth buffer, and metres for paper
 DEPTH_NAMES = {"depth buffer": "depth", "depth": "metres"}
 DEPTH = "depthKind, nearPlane, farPlane"
-# No sample has noise on its samples' places, which this numbers
+# Numbers the passes for random sample offsets, which no sample uses
 LEFT_OUT = "BokehPassIndex"
-# Entries of the layers that read BokehSides, where each pass may be of another polygon
+# Entries of the layers that read BokehSides, set in each pass in case the polygons of passes differ
 SIDED = ("BokehDownsample", "BokehHoleFill", "BokehComposite")
 SIZE = (64, 64)
 
 
 @dataclass(frozen=True)
 class Row:
-    """A pass of a frame.
+    """Describe a pass of a frame.
 
     entry     such as BokehTileMax; `name` is TileMax, `define` TILE_MAX
-    reads     a texture for each colour slot up to the last that it reads, '-' for one that it leaves out
-    writes    its targets, and the number of the memory of each
-    scale     that the size of its targets is divided by
+    reads     a texture for each colour slot up to the last one in use, '-' for an unused slot
+    writes    names of its targets
+    memory    number of the memory of each target
+    scale     divisor of its targets' size
     linear    whether it reads any texture with a linear filter
-    sets      parameters of its own without Bokeh -> value; Angle is in degrees
-    call      of the library, in GLSL
-    returned  name and members of the struct that the call returns, where the pass writes several targets
+    sets      parameters that differ in this pass, without Bokeh -> value; Angle is in degrees
+    call      of the library's function, in GLSL
+    returned  name and members of the struct that the call returns, if the pass writes several targets
     """
 
     entry: str
@@ -47,22 +48,22 @@ class Row:
 
     @property
     def name(self) -> str:
-        """Without Bokeh."""
+        """Return the entry's name without Bokeh."""
         return self.entry.removeprefix("Bokeh")
 
 
 def snake(name: str) -> str:
-    """near_strip_2 for 'near strip 2'."""
+    """Spell a texture's name in snake case: near_strip_2 for 'near strip 2'."""
     return name.replace(" ", "_")
 
 
 def camel(name: str) -> str:
-    """nearStrip2 for 'near strip 2'."""
+    """Spell a texture's name in camel case: nearStrip2 for 'near strip 2'."""
     return name[0] + name.title().replace(" ", "")[1:]
 
 
 def polygons(method: str) -> dict[str, int]:
-    """Those that samples have of a method, with their sides."""
+    """Return the polygons that samples offer with a method -> number of sides."""
     return {name: EXACT[name] for name in (("hexagon", "octagon") if method == "paper" else EXACT)}
 
 
@@ -74,12 +75,13 @@ def frame(
     adaptive: bool = False,
     memory: str = "",
 ) -> list[Row]:
-    """The passes of a method from the CoC map on.
+    """Return the passes of a method, the CoC map first.
 
     style     how a texture's name is spelt: `snake` or `camel`
-    targets   whether a pass may write several
+    targets   whether a pass may write several targets
     adaptive  whether lines of paper take as many samples as their length needs
-    memory    begins the name of each target, which its memory numbers: targets that may share it are one; else ''
+    memory    prefix of the targets' names, which are then numbered by their memory, so that targets that may share it
+    have one name; '': their own names
     """
     spacing = 1.0 if adaptive and method == "paper" else 0.0
     settings = methods.Settings(method, aperture, use_mrt=targets, spacing=spacing)
@@ -95,12 +97,12 @@ def frame(
 
 
 def after_map(method: str, aperture: str, style: Callable[[str], str] = snake, **chosen: bool) -> list[Row]:
-    """The same without the CoC map."""
+    """Return the passes of a method after the CoC map; arguments as in frame()."""
     return frame(method, aperture, style, **chosen)[1:]
 
 
 def targets(rows: list[Row]) -> dict[str, int]:
-    """Name of each target -> what its size is divided by."""
+    """Return name of each target -> divisor of its size."""
     return {name: row.scale for row in rows for name in row.writes}
 
 
@@ -125,16 +127,18 @@ def _row(step: dict, item: Pass, names: dict[str, str], memory: dict[str, int]) 
     )
 
 
-# Arguments that each sample has under the library's name, and two of the line filter, which no sample calls
+# Arguments that each sample has under the library's names; the last two belong to the line filter, which no sample
+# calls
 LOCALS = ("vec2 uv", "BokehPolygon polygon", "BokehLayerContext layers", "BokehSamplingSettings settings")
 LOCALS += ("BOKEH_DEPTH_TEXTURE DepthSamp", "vec2 lineEnd")
 
 
 def call(item: Pass, names: dict[str, str]) -> str:
-    """The function of the library that a pass calls, with a sample's names of textures, uniforms and locals.
+    """Return the GLSL call of the library's function in a pass, with a sample's names of textures, uniforms and
+    locals.
 
-    uv, lens, depthKind, nearPlane, farPlane, layers, polygon, settings, rotation and squeeze are the locals and
-    uniforms that each sample has.
+    Every sample has the locals and uniforms uv, lens, depthKind, nearPlane, farPlane, layers, polygon, settings,
+    rotation and squeeze. Raises ValueError for a parameter that no sample has an argument for.
     """
     entry, values = item.spec, item.values()
     textures = {slot: names[name] for slot, name in item.inputs.items()}
@@ -151,7 +155,7 @@ def call(item: Pass, names: dict[str, str]) -> str:
     arguments, sampled, slots = [], "", iter(COLORS)
     for kind, name in signature.parameters:
         if kind == "BOKEH_TEXTURE":
-            # a slot that the polygon has no target for gets the one before, and does not read it
+            # a slot without a target of this polygon gets the previous texture, which is not read
             sampled = textures.get(next(slots), sampled)
         known = {
             "BOKEH_TEXTURE": sampled,
@@ -171,7 +175,9 @@ def call(item: Pass, names: dict[str, str]) -> str:
 
 
 def returned(item: Pass) -> tuple[str, ...]:
-    """Name and members of the struct that a pass's function returns, as many as the entry has targets; or nothing."""
+    """Return name and members of the struct that a pass's function returns, one member per target, or () if it returns
+    none.
+    """
     _, signature = _called(item)
     members = [name for kind, name in calls.structs(shaders.text("glsl")).get(signature.kind, ()) if kind == "vec4"]
     if not members:
@@ -183,16 +189,16 @@ def returned(item: Pass) -> tuple[str, ...]:
 
 
 def _called(item: Pass) -> tuple[str, calls.Signature]:
-    """The function of the library that a pass's entry takes its result from, and its signature."""
+    """Return the library function from which a pass's entry takes its result, and its signature."""
     signatures = calls.signatures(shaders.text("glsl"))
     for name in calls.called_from(shaders.file_text("glsl", "bokeh_passes"), item.entry):
         kind, parameters = signatures[name]
-        # what only fetches has a texture too
+        # skip functions that only fetch a texture
         if parameters and parameters[0][0] == "BOKEH_TEXTURE" and kind != "vec2" and "Fetch" not in name:
             return name, signatures[name]
     raise ValueError(f"{item.entry} calls no function of the library that reads its textures")
 
 
 def _last(item: Pass) -> int:
-    """BokehExactFirst's parameter: the last target that is wanted."""
+    """Return the argument of BokehExactFirst that names the last target needed."""
     return item.constants["BOKEH_TARGET_INDEX"] + 2 if item.spec.role == EDGE else item.spec.sides // 2

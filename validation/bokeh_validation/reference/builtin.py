@@ -1,4 +1,4 @@
-"""What GLSL has itself: operators and functions, of intervals, and of constants as the compiler computes them."""
+"""Implement GLSL's operators and functions on intervals, and on constants as the compiler computes them."""
 
 from collections.abc import Callable, Mapping
 from operator import add, and_, ge, gt, le, lt, mul, ne, sub, truediv
@@ -10,11 +10,11 @@ from bokeh_validation.reference.intervals import FUNCTION, Interval, interval
 
 
 class FromUniform(int):
-    """An integer that a uniform says: what follows from it is computed by the device, not by the compiler."""
+    """Mark an integer that came from a uniform: what follows from it is computed by the device, not by the compiler."""
 
 
 def _either(of_numbers: Callable, of_intervals: Callable | None = None) -> Callable:
-    """A function of two numbers, or of intervals where one of them is."""
+    """Return a function of two arguments that computes with intervals if either is one, else with plain numbers."""
 
     def function(a, b):
         if isinstance(a, Interval) or isinstance(b, Interval):
@@ -30,19 +30,19 @@ def _divided(a, b):
 
 
 def _same(a, b) -> bool:
-    """Of whole numbers, and of a uniform, which is one number for all pixels."""
+    """Compare whole numbers, or a uniform, which is one number for all pixels, with a number."""
     return (a.value.item() if isinstance(a, Interval) else a) == b
 
 
 _SYMBOLS = {"+": add, "-": sub, "*": mul, "/": _divided, "<": lt, ">": gt, "<=": le, ">=": ge}
 OPERATORS = {symbol: _either(function) for symbol, function in _SYMBOLS.items()}
-# of whole numbers that are the same for all pixels
+# these take whole numbers that are the same for all pixels
 OPERATORS |= {"==": _same, "!=": ne, "&&": and_}
 _least, _most = _either(min, intervals.smaller), _either(max, intervals.larger)
 
 
 def _whole(number):
-    """int(): cut off; what is told here is not negative."""
+    """Implement int(), which truncates; the arguments here are never negative."""
     if not isinstance(number, Interval):
         return number if isinstance(number, int) else int(number)
     number = number.each(np.floor)

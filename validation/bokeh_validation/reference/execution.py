@@ -1,4 +1,4 @@
-"""Passes as their own GLSL says, executed on intervals (interpreter.py): the value, and how far off a device may be."""
+"""Execute passes from their own GLSL on intervals (interpreter.py): the value, and how far off a device may be."""
 
 import multiprocessing
 from collections.abc import Mapping
@@ -15,20 +15,20 @@ from bokeh_validation.reference.interpreter import Run
 from bokeh_validation.reference.intervals import Interval, interval
 from bokeh_validation.shaders.passes import Pass, is_linear
 
-# one of several processes that share the cores gets one
+# a worker process shares the cores with others and uses one thread
 THREADS = 2 if multiprocessing.parent_process() is None else 1
 RESULTS = ("BokehResult", "BokehResultB", "BokehResultC", "BokehResultD")
-# how far off the rasteriser's uv may be: the roundings of two products and two sums
+# error of the rasteriser's uv: the roundings of two products and two sums
 UV = 4 * FLOAT_STEP
-# so many run at once: their variables stay in the processor's cache
+# pixels per chunk, so that their variables fit into the processor's cache
 PIXELS = 8192
 
 
 class Texture:
-    """A texture with clamp, as the shaders read it. uv is (2, pixels), what is read (channels, pixels).
+    """Sample a texture with clamp, as the shaders read it. uv is (2, pixels), the result (channels, pixels).
 
-    precision  None: without doubt
-    is_linear  whether it has a linear filter, with which Direct3D 9 reads single texels as well
+    precision  of the device; None: no error is computed
+    is_linear  whether its sampler has a linear filter, which Direct3D 9 also uses to read single texels
     """
 
     def __init__(self, image: Image, precision: Precision | None, is_linear: bool):
@@ -38,12 +38,12 @@ class Texture:
 
     @cached_property
     def around(self) -> tuple[np.ndarray, np.ndarray]:
-        """Around each texel, in the channels of one array: how far off a filtered sample is that is where it should
-        be, and how much more for each texel that it is off its place, across and down. First of 3 x 3 texels, for
-        places off by half a texel; then of 5 x 5, by one and a half.
+        """Return error bounds around each texel, in the channels of two arrays: over 3 x 3 texels, for positions off
+        by up to half a texel, and over 5 x 5, for up to one and a half.
 
-        A shifted lookup changes by no more than the shift times the steepest slope; the filter rounds by a share of the
-        largest texel.
+        Channels are the error of a filtered sample at the right position, then how much it grows per texel that the
+        position is off, horizontally and vertically. A shifted lookup changes by at most the shift times the steepest
+        slope; the filter rounds by a fraction of the largest texel.
         """
         value = self.image.value
         still = self.precision.filter * sampling.neighbourhood(np.abs(value))
@@ -54,12 +54,14 @@ class Texture:
         return near.reshape(-1, near.shape[2]), wide.reshape(-1, near.shape[2])
 
     def off(self, uv: Interval) -> np.ndarray:
-        """How far off a place may be, texels: uv, its product with the size, and what the sampler makes of it."""
+        """Return how far off a position may be in texels, (2, pixels): from uv, its product with the size, and the
+        sampler.
+        """
         size = np.array(self.image.size)[:, None]
         return self.precision.subtexel + uv.error * size + 2 * FLOAT_STEP * np.abs(uv.value * size)
 
     def linear(self, uv: Interval) -> Interval:
-        """With a linear filter."""
+        """Sample with the linear filter."""
         x, y = uv.value * np.array(self.image.size)[:, None]
         value = np.ascontiguousarray(sampling.bilinear(self.image.value, x, y).T)
         if self.precision is None:
@@ -70,12 +72,12 @@ class Texture:
         beyond = farthest > 0.5
         if beyond.any():
             error[:, beyond] = _error(wide[texel[beyond]], off[:, beyond])
-            # of what is farther off the slopes say nothing
+            # the slopes say nothing about positions that are farther off
             error[:, farthest > 1.5] = np.inf
         return Interval(value, value - error, value + error)
 
     def nearest(self, uv: Interval) -> Interval:
-        """The nearest texel; where devices may take different ones, the interval around them. May be NaN."""
+        """Fetch the nearest texel; if devices may choose different ones, the interval covers them. May be NaN."""
         if self.is_linear:
             return self.linear(uv)
         place = uv.value * np.array(self.image.size)[:, None]
@@ -96,7 +98,7 @@ class Texture:
         return Interval(value, low, high)
 
     def depth(self, uv: Interval) -> Interval:
-        """The first channel of the nearest texel."""
+        """Fetch the first channel of the nearest texel."""
         texel = self.nearest(uv)
         return Interval(texel.value[0], texel.low[0], texel.high[0])
 
@@ -113,9 +115,12 @@ def run_pass(
     precision: Precision | None,
     text: str | None = None,
 ) -> list[Image]:
-    """What a pass writes to each of its targets, of that size; textures by their slots.
+    """Return what a pass writes to each of its targets.
 
-    text  the GLSL of all files, where it is not that of the package as it is
+    inputs     slot -> texture
+    size       (width, height) of the targets
+    precision  of the device; None: no errors are computed
+    text       all GLSL files as one text; None: those of the package
     """
     entry = item.spec
     width, height = size
@@ -124,7 +129,7 @@ def run_pass(
     }
     uniforms = {name: interval(value) for name, value in item.given().items()}
     library = glsl.library(text or shaders.text("glsl"))
-    # a viewport is cut out beforehand
+    # the caller has already cropped the textures to the viewport
     given = {**uniforms, **item.constants, "BOKEH_VIEWPORT": 0, **{name: name for name in textures}}
 
     def part(start: int) -> tuple[list[Interval], np.ndarray]:

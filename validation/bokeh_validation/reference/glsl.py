@@ -1,4 +1,6 @@
-"""The GLSL files as syntax trees: after a small preparation a function of GLSL is one of C, which pycparser reads."""
+"""Parse the GLSL files into syntax trees: after small changes, a GLSL function is a C function, which
+pycparser reads.
+"""
 
 import re
 from collections.abc import Mapping
@@ -10,12 +12,12 @@ from pycparser import c_ast, c_parser
 from bokeh_validation import shaders
 
 TYPES = ("float", "int", "bool", "vec2", "vec3", "vec4", "BOKEH_TEXTURE", "BOKEH_DEPTH_TEXTURE")
-# what reads texels by their numbers: section [2], the porting
+# functions that fetch texels by their coordinates: section [2], the porting layer
 TEXELS = ("BokehFetchTexel", "BokehFetchDepth")
 
 
 class Function(NamedTuple):
-    """A function of the shaders; the names of its parameters in order."""
+    """Hold a function of the shaders with the names of its parameters in order."""
 
     name: str
     parameters: tuple[str, ...]
@@ -23,7 +25,7 @@ class Function(NamedTuple):
 
 
 class Library:
-    """What the interpreter runs: the text of all files, whose functions are parsed when they are first called."""
+    """Hold what the interpreter runs: the text of all files, whose functions are parsed on their first call."""
 
     def __init__(self, text: str):
         self.text = text
@@ -35,11 +37,11 @@ class Library:
         return {match["name"]: match for match in matches if match["name"] not in ("main", *TEXELS)}
 
     def _function(self, name: str) -> Function:
-        """One of those of all files but main()."""
+        """Parse a function other than main()."""
         return self._parsed(self._found[name])
 
     def _main(self, entry: str) -> Function:
-        """main() of one of entries.ENTRIES. Raises KeyError where this text has no such entry."""
+        """Parse main() of one of entries.ENTRIES. Raises KeyError if the text has no such entry."""
         head = re.search(rf"^#(?:el)?if BOKEH_PASS == {shaders.glsl_pass(entry)}\n\n", self.text, re.MULTILINE)
         if not head:
             raise KeyError(entry)
@@ -47,19 +49,22 @@ class Library:
 
     @cached_property
     def constants(self) -> Mapping[str, float | int]:
-        """The defaults of the configuration."""
+        """Return the default values of the configuration."""
         found = shaders.settings("glsl", self.text)
         return {name: float(value) if "." in value else int(value) for name, value in found.items()}
 
     @cached_property
     def structs(self) -> frozenset[str]:
-        """Their names."""
+        """Return the names of the structs."""
         return frozenset(re.findall(r"^struct (\w+)$", self.text, re.MULTILINE))
 
     def _parsed(self, function: re.Match) -> Function:
-        """A constructor, `vec2(...)`, is a type where C wants a function: it gets another name."""
+        """Parse a function as C.
+
+        A constructor, `vec2(...)`, would be a type where C expects a function, so it is renamed to `new_vec2(...)`.
+        """
         text = shaders.COMMENT.sub("", f"{function['head']}\n{function['body']}")
-        # every file is there
+        # all files are in the text, so its # lines can be dropped
         text = re.sub(r"^#.*\n", "", text, flags=re.MULTILINE)
         text = re.sub(rf"\b({'|'.join(TYPES)})\(", r"new_\1(", text)
         types = (*TYPES[2:], *self.structs)
@@ -72,5 +77,5 @@ class Library:
 
 @lru_cache(maxsize=4)
 def library(text: str) -> Library:
-    """That of a text."""
+    """Return the library of a text, cached."""
     return Library(text)

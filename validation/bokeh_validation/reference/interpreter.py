@@ -1,15 +1,15 @@
-"""Runs the GLSL of a pass on intervals: what each target gets, and how far off a correct device may be.
+"""Run the GLSL of a pass on intervals: the value of each target, and how far off a correct device may be.
 
-All pixels run every branch that any of them takes, and every turn of a loop. Where devices may take different branches,
-a pixel's variables get the interval around both outcomes; the same where it may have left a loop. Constants are
-Python's own numbers, with which the compiler computes; what a uniform says is an Interval. A struct is a dictionary of
-its members.
+All pixels run every branch that any of them takes, and every iteration of a loop. If devices may take different
+branches, a pixel's variables become the interval around both outcomes; likewise if it may have left a loop. Constants
+are plain Python numbers, computed as the compiler does; values from uniforms are Intervals. A struct is a dictionary
+of its members.
 
-Two places know more than the operations alone:
+Two cases use more than the operations alone:
 
-  * floor(x) of a declaration, where x may be below or above a whole number: the rest of the block runs for each side by
-    itself, since floor(x) + f(x - floor(x)) is mostly the same from both.
-  * BokehRotated: the error of a direction is a disc, which a turn does not make larger.
+  * floor(x) in a declaration, where x may be on either side of a whole number: the rest of the block runs once for
+each side, since floor(x) + f(x - floor(x)) is usually the same from both.
+  * BokehRotated: the error of a direction is a disc, which a rotation does not enlarge.
 """
 
 from collections.abc import Mapping, Sequence
@@ -26,18 +26,18 @@ from bokeh_validation.reference.glsl import Library
 from bokeh_validation.reference.intervals import Condition, Interval, chosen
 
 COMPONENTS = {letter: place for letters in ("xyzw", "rgba") for place, letter in enumerate(letters)}
-# what reads a texture -> the method that does
+# functions that read a texture -> the method that does it
 FETCHES = {"BokehFetchTexture": "linear", "BokehFetchTexel": "nearest", "BokehFetchDepth": "depth"}
-# Listing 3's comparisons
+# functions with Listing 3's comparisons
 LEAKAGE = ("BokehLeakageWeight", "BokehSignedLeakageWeight")
-# the image fills its textures here: there is no viewport to set
+# calls to skip: the image fills its textures here, so there is no viewport to set
 SET_UP = ("BokehUseViewport", "BokehSetViewport")
 
 Variables = dict[str, object]
 
 
 def _rotated(direction: Interval, axis: Interval) -> Interval:
-    """`BokehRotated`."""
+    """Compute `BokehRotated` with an error that does not grow with each rotation."""
     (x, y), (c, s) = direction.value, axis.value
     value = np.stack([x * c - y * s, x * s + y * c])
     before = np.hypot(*direction.error) if direction.turned is None else direction.turned
@@ -51,13 +51,13 @@ def _rotated(direction: Interval, axis: Interval) -> Interval:
 
 @cache
 def _breaks(node: c_ast.Node) -> bool:
-    """Whether it leaves the loop around it."""
+    """Return whether a statement leaves the loop around it."""
     within = (child for _, child in node.children() if not isinstance(child, c_ast.For))
     return isinstance(node, c_ast.Break) or any(_breaks(child) for child in within)
 
 
 def _is_floor(node: c_ast.Node | None, of: c_ast.Node | None = None) -> bool:
-    """floor() of a variable, of this one."""
+    """Return whether a node is floor() of a variable, of the variable `of` if given."""
     is_call = isinstance(node, c_ast.FuncCall) and node.name.name == "floor"
     argument = node.args.exprs[0] if is_call else None
     return isinstance(argument, c_ast.ID) and (of is None or getattr(of, "name", None) == argument.name)
@@ -65,14 +65,15 @@ def _is_floor(node: c_ast.Node | None, of: c_ast.Node | None = None) -> bool:
 
 @dataclass
 class Run:
-    """A pass over some pixels.
+    """Run a pass over some pixels.
 
-    library    the text
-    given      uniforms, constants, BokehUV; of a texture's name the name itself
-    textures   execution.Texture, by their names
-    line       Precision.line: how far off sin and cos may be
-    count      of the pixels
-    undecided  (count,): where one of Listing 3's comparisons, or the jitter's side, is open and changes something
+    library    the functions
+    given      uniforms, constants and BokehUV by name; a texture's name maps to itself
+    textures   name -> execution.Texture
+    line       Precision.line: error of sin and cos
+    count      number of pixels
+    undecided  (count,) bool: one of Listing 3's comparisons, or the side of a random offset, is open and makes a
+    difference
     """
 
     library: Library
@@ -86,7 +87,7 @@ class Run:
         self.undecided = np.zeros(self.count, bool)
 
     def main(self, entry: str) -> Variables:
-        """What a pass writes, by the names of its targets."""
+        """Run main() of an entry and return its variables, among them the targets by name."""
         variables: Variables = {}
         with np.errstate(all="ignore"):
             _Call(self, np.ones(self.count, bool)).visit(self.library.main(entry).body, variables)
@@ -95,7 +96,7 @@ class Run:
 
 @dataclass
 class _Loop:
-    """Pixels (count,) that are still in a loop in float64, and with what the others left it."""
+    """Track which pixels (count,) are still in a loop in float64, and the variables with which the others left it."""
 
     value: np.ndarray
     exits: list[tuple[Condition, Variables]] = field(default_factory=list)
@@ -103,7 +104,10 @@ class _Loop:
 
 
 class _Call:
-    """One call of a function, for all pixels; `here` are those that some device takes to where it is."""
+    """Run one call of a function for all pixels.
+
+    here  (count,) bool: pixels for which some device reaches the current statement
+    """
 
     def __init__(self, run: Run, here: np.ndarray, name: str = "main"):
         self.run, self.here, self.name = run, here, name
@@ -115,11 +119,11 @@ class _Call:
         getattr(self, f"_{type(node).__name__}")(node, variables)
 
     def value(self, node: c_ast.Node, variables: Variables):
-        """Compute an expression."""
+        """Evaluate an expression."""
         return getattr(self, f"_{type(node).__name__}")(node, variables)
 
     def undecided(self, where: np.ndarray) -> None:
-        """Some of the pixels are."""
+        """Mark pixels as undecided, among those that reach the current statement."""
         self.run.undecided |= where & self.here
 
     # ------------------------------------------------------------------------------------------------------ statements
@@ -128,7 +132,7 @@ class _Call:
         self.sequence(node.block_items or (), variables)
 
     def sequence(self, nodes: Sequence[c_ast.Node], variables: Variables) -> None:
-        """One after the other, until one leaves the loop."""
+        """Run statements in order until one leaves the loop."""
         for index, node in enumerate(nodes):
             self.visit(node, variables)
             if self.loop and self.loop.stopped:
@@ -138,7 +142,9 @@ class _Call:
                 return
 
     def two_sided(self, node: c_ast.Decl, rest: Sequence[c_ast.Node], variables: Variables) -> bool:
-        """The rest of a block for both sides of a whole number, where that is open; False: it is not."""
+        """Run the rest of a block for both sides of a whole number; returns False, without running it, if the side is
+        not open.
+        """
         name, source = node.name, node.init.args.exprs[0].name
         floor, number = variables[name], variables[source]
         is_open = floor.high - floor.low == 1.0
@@ -163,7 +169,7 @@ class _Call:
             if not swapped.any():
                 variables |= after
             else:
-                # for these pixels the interval around both
+                # these pixels get the interval around both sides
                 other = Condition(np.ones_like(here), ~self.here, np.ones_like(here))
                 variables |= {k: chosen(other, variables[k], after[k]) for k in set(before) - {name, source}}
         self.here, variables[source] = here, number
@@ -203,7 +209,7 @@ class _Call:
         else:
             yes = self.branch(node.iftrue, variables, where.possible)
             no = self.branch(node.iffalse, variables, ~where.sure)
-            # where no pixel goes, a struct may have no members yet
+            # a branch that no pixel takes may leave a struct without members
             one = no if not (self.here & where.possible).any() else yes if not (self.here & ~where.sure).any() else None
             variables |= one or {name: chosen(where, yes[name], no[name]) for name in variables}
             if self.name in LEAKAGE and isinstance(variables["weight"], Interval):
@@ -211,7 +217,7 @@ class _Call:
                 self.undecided(where.possible & ~where.sure & (weight.low < weight.high)[0])
 
     def branch(self, node: c_ast.Node | None, variables: Variables, where: np.ndarray) -> Variables:
-        """All variables after a branch that some pixels take."""
+        """Return all variables after a branch, run for the pixels `where`."""
         after, here = dict(variables), self.here
         self.here = here & where
         if node is not None and self.here.any():
@@ -239,7 +245,7 @@ class _Call:
             del variables[name]
 
     def leave(self, where: Condition, variables: Variables) -> None:
-        """Pixels leave the loop where a condition holds."""
+        """Make the pixels for which a condition holds leave the loop."""
         loop = self.loop
         where = Condition(where.value & loop.value, where.sure & self.here, where.possible & self.here)
         if where.possible.any():
@@ -269,7 +275,7 @@ class _Call:
         right = self.value(node.right, variables)
         difference = OPERATORS[node.op](left, right)
         if node.op == "-" and _is_floor(node.right, of=node.left):
-            # x - floor(x): from 0 to 1 on either side of a whole number
+            # x - floor(x) is 0 to 1 on both sides of a whole number
             wraps = right.low != right.high
             if self.name == "BokehNoise" and self.run.given["BokehJitter"].value > 0.0:
                 self.undecided(wraps[0])
@@ -286,7 +292,7 @@ class _Call:
         return -value
 
     def _StructRef(self, node: c_ast.StructRef, variables: Variables):
-        """A member, or components of a vector."""
+        """Return a member of a struct, or components of a vector."""
         value = self.value(node.name, variables)
         if isinstance(value, dict):
             return value[node.field.name]

@@ -1,13 +1,14 @@
-"""Interval arithmetic: a value in float64, and the limits that a correct device's float32 keeps by the same operations.
+"""Compute with intervals: a float64 value, with limits that a correct device's float32 result of the same operations
+keeps.
 
-Each operation takes the limits of its operands along and adds its own rounding, a share of the result:
+Each operation propagates the limits of its operands and adds its own rounding, relative to the result:
 
-    + - *          2^-22: correct rounding is 2^-24, and a constant beside it may have been rounded by the compiler
-    /, sqrt        6 x 2^-24: 2.5 units in the last place and what is said above (Vulkan, Direct3D 11)
-    exp, log2      2^-21; of an exponent also times its size, since a device rounds that first
+    + - *          2^-22: correct rounding is 2^-24, and the compiler may have rounded a constant operand
+    /, sqrt        6 x 2^-24: 2.5 units in the last place, plus the above (Vulkan, Direct3D 11)
+    exp, log2      2^-21; for exp also times the exponent's size, since a device rounds that first
 
-Numbers that every device has alike are exact as long as float32 can hold the result. Operands that depend on each other
-count as if they did not, which makes intervals wider than they need be, never narrower.
+Numbers that are the same on every device are exact as long as float32 can represent the result. Dependencies between
+operands are ignored, which makes intervals wider than necessary but never narrower.
 """
 
 from collections.abc import Callable, Sequence
@@ -22,11 +23,11 @@ OPERATION, DIVISION, FUNCTION = 4 * FLOAT_STEP, 6 * FLOAT_STEP, 2.0**-21
 
 @dataclass(eq=False)
 class Interval:
-    """Numbers of many pixels at once: (components, pixels), or (components, 1) where all pixels have the same.
+    """Hold numbers of many pixels: (components, pixels), or (components, 1) if all pixels have the same.
 
     value      as float64 computes it
     low, high  limits; None: exact
-    turned     of a direction: how long its error is, (pixels,); its limits alone would grow with each turn
+    turned     for a direction: the length of its error, (pixels,); the limits alone would grow with each rotation
     """
 
     value: np.ndarray
@@ -40,16 +41,16 @@ class Interval:
 
     @property
     def is_exact(self) -> bool:
-        """Whether every device has it alike."""
+        """Return whether the number is the same on every device."""
         return self.low is self.value
 
     @property
     def error(self) -> np.ndarray:
-        """The larger distance from the value to a limit."""
+        """Return the larger distance from the value to a limit."""
         return np.maximum(self.high - self.value, self.value - self.low)
 
     def each(self, function: Callable[[np.ndarray], np.ndarray]) -> "Interval":
-        """A function that only grows and rounds nothing, or that picks some of the numbers."""
+        """Apply a monotonically increasing function that rounds nothing, or that selects some of the numbers."""
         value = function(self.value)
         if self.is_exact:
             return Interval(value)
@@ -57,12 +58,12 @@ class Interval:
         return Interval(value) if np.array_equal(low, high) else Interval(value, low, high)
 
     def rows(self, components: slice | list[int]) -> "Interval":
-        """Some components."""
+        """Return some of the components."""
         value = self.value[components]
         return Interval(value) if self.is_exact else Interval(value, self.low[components], self.high[components])
 
     def spread(self, count: int) -> "Interval":
-        """Of so many pixels, though all may have the same."""
+        """Expand to `count` pixels."""
         fields = (self.value, self.low, self.high)
         return Interval(*(np.broadcast_to(field, (len(field), count)) for field in fields))
 
@@ -97,7 +98,9 @@ class Interval:
         return Interval(np.abs(self.value), low, np.maximum(self.high, -self.low))
 
     def __lt__(self, other):
-        """NaN may be smaller or not: Direct3D 9 finds that it is, IEEE 754 not, and GLSL and WGSL leave it open."""
+        """Compare; NaN may be smaller or not: Direct3D 9 says it is, IEEE 754 it is not, GLSL and WGSL
+        leave it open.
+        """
         return condition(self.value < other.value, self.high < other.low, ~(self.low >= other.high))
 
     def __le__(self, other):
@@ -111,12 +114,12 @@ class Interval:
 
 
 def interval(number: Interval | float) -> Interval:
-    """A number as one."""
+    """Return a number as an interval."""
     return number if isinstance(number, Interval) else Interval(np.full((1, 1), float(number)))
 
 
 def _is_shift(number: Interval) -> bool:
-    """A power of two, by which nothing is rounded."""
+    """Return whether a number is a power of two, by which multiplication is exact."""
     return number.is_exact and number.value.size == 1 and abs(np.frexp(number.value.item())[0]) == 0.5
 
 
@@ -132,7 +135,7 @@ def _product(a: Interval, b: Interval) -> tuple[np.ndarray, np.ndarray]:
     products = a.low * b.low, a.low * b.high, a.high * b.low, a.high * b.high
     low, high = np.minimum.reduce(products), np.maximum.reduce(products)
     if not np.isfinite(low.sum() + high.sum()):
-        # 0 times an endless interval is 0: a weight of 0 takes no part
+        # 0 times an unbounded interval is 0: a weight of 0 has no effect
         is_zero = ((a.low == 0.0) & (a.high == 0.0)) | ((b.low == 0.0) & (b.high == 0.0))
         unknown = np.isnan(low) | np.isnan(high)
         low = np.where(unknown, np.where(is_zero, 0.0, -np.inf), low)
@@ -141,12 +144,12 @@ def _product(a: Interval, b: Interval) -> tuple[np.ndarray, np.ndarray]:
 
 
 def larger(a: Interval, b: Interval) -> Interval:
-    """The larger of two."""
+    """Return the larger of two intervals, pixel by pixel."""
     return _either(np.maximum, a, b)
 
 
 def smaller(a: Interval, b: Interval) -> Interval:
-    """The smaller of two."""
+    """Return the smaller of two intervals, pixel by pixel."""
     return _either(np.minimum, a, b)
 
 
@@ -158,14 +161,14 @@ def _either(function, a: Interval, b: Interval) -> Interval:
 
 
 def growing(function: Callable, number: Interval, share: float | np.ndarray = 0.0, least: float = 0.0) -> Interval:
-    """A function that only grows, off by a share of its value, and by `least` in any case."""
+    """Apply a monotonically increasing function, with an error of `share` times its value plus `least`."""
     found = Interval(*(function(limit) for limit in (number.value, number.low, number.high)))
     error = np.abs(found.value) * share + least
     return Interval(found.value, found.low - error, found.high + error)
 
 
 def side_by_side(parts: Sequence[Interval | float]) -> Interval:
-    """Components one after the other."""
+    """Stack components into one vector."""
     parts = [interval(part) for part in parts]
     count = max(part.value.shape[1] for part in parts)
 
@@ -179,7 +182,7 @@ def side_by_side(parts: Sequence[Interval | float]) -> Interval:
 
 @dataclass(frozen=True)
 class Condition:
-    """Of each pixel, (pixels,): whether it holds in float64, on every device, on some device."""
+    """Hold for each pixel, (pixels,) bool, whether a condition is true in float64, on every device, on some device."""
 
     value: np.ndarray
     sure: np.ndarray
@@ -197,14 +200,16 @@ class Condition:
 
 
 def condition(value: np.ndarray, sure: np.ndarray, possible: np.ndarray) -> Condition | bool:
-    """A comparison (1, pixels) of numbers; a bool where all pixels and devices agree from the outset."""
+    """Return a comparison (1, pixels), as a bool if all pixels and devices agree from the start."""
     if value.size == 1 and sure.item() == possible.item():
         return bool(value.item())
     return Condition(value.reshape(-1), sure.reshape(-1), possible.reshape(-1))
 
 
 def chosen(where: Condition, yes, no):
-    """`yes` where a condition holds, else `no`; where it is open, the interval around both. Structs by member."""
+    """Select `yes` where a condition holds, else `no`; where it is open, the interval around both. Structs are
+    selected by member.
+    """
     if yes is no:
         return yes
     if isinstance(yes, dict):

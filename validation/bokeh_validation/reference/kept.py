@@ -1,9 +1,9 @@
-"""Passes that the reference has run before, kept on disk: most of a pass's time is the interpreter's.
+"""Cache on disk the passes that the reference has run, since the interpreter takes most of a pass's time.
 
-A file's name is a digest of all that its contents follow from: the text of the program, its constants and parameters,
-the textures, the size, the precision, and the code of the reference itself. How a target stores and rounds comes
-afterwards (numerics.images.stored), so that drivers which round differently share a file. What an edit does not change
-is found again; what it leaves behind is the oldest soon, and goes when the folder is full.
+A file is named by a digest of everything that its contents depend on: the program's text, its constants and
+parameters, the textures, the size, the precision, and the reference's own code. How a target stores and rounds is
+applied afterwards (numerics.images.stored), so drivers that round differently share a file. An edit reuses what it
+does not affect; what becomes unused is deleted as the oldest once the folder is full.
 """
 
 import io
@@ -24,11 +24,11 @@ from bokeh_validation.reference import execution, glsl
 from bokeh_validation.shaders import calls
 from bokeh_validation.shaders.passes import Pass
 
-# In the cache folder
+# Name of the folder in the cache folder
 FOLDER = "reference"
-# Of that, bytes: the passes of the whole test suite are a third of it
+# Limit of its size in bytes; the passes of the whole test suite take a third of it
 MOST = 1_500_000_000
-# Larger passes are not kept: a picture of a scene takes seconds, which its other costs exceed
+# Larger passes are not cached: an image of a scene takes seconds, which its other costs exceed
 MOST_PIXELS = 1 << 16
 CODE = ("reference", "numerics", "shaders/passes.py", "shaders/entries.py", "shaders/parameters.py", "shaders/calls.py")
 
@@ -40,7 +40,7 @@ def run_pass(
     precision: Precision | None,
     text: str | None = None,
 ) -> list[Image]:
-    """execution.run_pass(), or what it gave before."""
+    """Return the result of execution.run_pass(), from the cache if it is there."""
     if size[0] * size[1] > MOST_PIXELS or os.environ.get("BOKEH_REFERENCE_ANEW"):
         return execution.run_pass(item, inputs, size, precision, text)
     given = item, inputs, size, precision, text or shaders.text("glsl")
@@ -50,13 +50,13 @@ def run_pass(
         try:
             return _read(file, item.spec.targets)
         except (OSError, ValueError, KeyError, EOFError, zipfile.BadZipFile):
-            # not whole, or deleted by another process that makes room: made anew
+            # incomplete, or deleted by another process that made room: compute it again
             file.unlink(missing_ok=True)
     raise RuntimeError(f"{file}: was deleted twice while it was read")
 
 
 def _ingredients(item: Pass, inputs: Mapping[str, Image], size, precision, text: str) -> Iterator[bytes]:
-    """All that a pass's targets follow from."""
+    """Yield everything that a pass's targets depend on."""
     library = glsl.library(text)
     program = calls.program(text, f"{item.entry}_PS", frozenset(item.constants.items()))
     yield _code()
@@ -70,7 +70,7 @@ def _ingredients(item: Pass, inputs: Mapping[str, Image], size, precision, text:
 
 @cache
 def _code() -> bytes:
-    """That of the reference, and of what computes for it."""
+    """Return a digest of the code of the reference and of NumPy's version."""
     here = Path(__file__).parents[1]
     places = [here / name for name in CODE]
     texts = [file for place in places for file in (sorted(place.glob("*.py")) if place.is_dir() else [place])]
@@ -78,7 +78,7 @@ def _code() -> bytes:
 
 
 def _read(file: Path, targets: int) -> list[Image]:
-    """Raises one of the errors of np.load where the file is not there or not whole."""
+    """Read the images of a file; raises np.load's errors if it is missing or incomplete."""
     with np.load(file) as kept:
         images = [
             Image(kept[f"value{k}"], *(kept[f"error{k}"], kept["undecided"]) if "undecided" in kept else ())
@@ -93,7 +93,7 @@ def _written(images: list[Image]) -> bytes:
     fields = {f"value{k}": image.value for k, image in enumerate(images)}
     if images[0].undecided is not None:
         fields |= {f"error{k}": image.error for k, image in enumerate(images)}
-        # one program decides for all its targets
+        # one program decides for all of its targets
         fields["undecided"] = images[0].undecided
     file = io.BytesIO()
     np.savez(file, **fields)
@@ -102,7 +102,7 @@ def _written(images: list[Image]) -> bytes:
 
 @once
 def _make_room() -> None:
-    """Delete what was not read for longest, once in a process that writes; another process may do the same."""
+    """Delete the files that were not read for longest, once per process that writes."""
     found = []
     for entry in os.scandir(paths.ensured(paths.cache_folder() / FOLDER)):
         with suppress(FileNotFoundError):

@@ -1,19 +1,19 @@
-"""Listings 1 and 3 in float64, and what depth buffers hold; depth in metres, CoC as a fraction of the image height."""
+"""Compute Listings 1 and 3 and depth conventions in float64; depth in metres, CoC as a fraction of the image height."""
 
 import numpy as np
 
 MAX_COLOR = 65504.0
 MIN_DEPTH = float(np.float32(1e-6))
 MAX_DEPTH = 1e9
-# So much of a signed CoC counts as its own surface: half floats and filters round
+# Minimum leakage bias for a signed CoC, which allows for the rounding of half floats and filters
 LEAST_BIAS = 0.001
 
 
 def circle_of_confusion(depth, aperture_diameter, focal_length, focus_distance, sensor_height, max_coc):
-    """Section 4.1: CoC diameter of a thin lens, fraction of the image height, 0 .. max_coc. All lengths in metres.
+    """Return the CoC diameter of a thin lens (section 4.1), fraction of the image height, 0 to max_coc.
 
-    A focus distance at or before the focal length, where no lens can focus, counts as MIN_DEPTH behind it; an
-    infinite one is MAX_DEPTH.
+    All lengths are in metres. A focus distance up to the focal length, where no lens can focus, is treated as
+    MIN_DEPTH beyond it; an infinite one as MAX_DEPTH.
     """
     focus_distance = min(focus_distance, MAX_DEPTH)
     magnification = focal_length / max(focus_distance - focal_length, MIN_DEPTH)
@@ -22,12 +22,12 @@ def circle_of_confusion(depth, aperture_diameter, focal_length, focus_distance, 
 
 
 def safe_color(color: np.ndarray) -> np.ndarray:
-    """NaN and negative become 0, infinite the largest half float."""
+    """Replace NaN and negative colour by 0, and infinite colour by the largest half float."""
     return np.where(color > 0.0, np.minimum(color, MAX_COLOR), 0.0)
 
 
 def safe_depth(depth: np.ndarray) -> np.ndarray:
-    """NaN, zero and negative become the smallest depth, infinite the largest."""
+    """Replace NaN, zero and negative depth by the smallest depth, and infinite depth by the largest."""
     return np.where(depth > MIN_DEPTH, np.minimum(depth, MAX_DEPTH), MIN_DEPTH)
 
 
@@ -46,7 +46,11 @@ DEPTH_KINDS = {
 
 
 def linear_depth(depth: np.ndarray, kind: int, near: float, far: float) -> np.ndarray:
-    """Depth of a convention (a value of DEPTH_KINDS) to metres along the view axis, made safe."""
+    """Convert stored depth to metres along the view axis, made safe by safe_depth().
+
+    kind       a value of DEPTH_KINDS
+    near, far  distances of the planes, metres
+    """
     with np.errstate(all="ignore"):
         metres = {
             0: lambda: depth,
@@ -63,7 +67,7 @@ def linear_depth(depth: np.ndarray, kind: int, near: float, far: float) -> np.nd
 
 
 def stored_depth(metres: np.ndarray, kind: int, near: float, far: float) -> np.ndarray:
-    """The other way round: what a depth buffer of a convention holds for a distance, float64."""
+    """Return what a depth buffer stores for a distance in metres, float64: the inverse of linear_depth()."""
     return {
         0: lambda: metres,
         1: lambda: far * (metres - near) / (metres * (far - near)),
@@ -78,12 +82,16 @@ def stored_depth(metres: np.ndarray, kind: int, near: float, far: float) -> np.n
 
 
 def leakage_weight(sample_depth, sample_coc, center_depth, center_coc, bias, mult):
-    """Listing 3: a nearer and clearly sharper sample counts by its own CoC, all others fully."""
+    """Return the weight of Listing 3: a nearer and clearly sharper sample is weighted by its own CoC,
+    all others by 1.
+    """
     leaks = (sample_depth < center_depth) & (center_coc > sample_coc + bias)
     return np.where(leaks, np.clip(sample_coc * mult, 0.0, 1.0), 1.0)
 
 
 def signed_leakage_weight(sample_coc, center_coc, bias, mult):
-    """`BokehSignedLeakageWeight`: the same test from signed CoC alone, set in around the bias; the weight squared."""
+    """Return `BokehSignedLeakageWeight`: the same test from signed CoC alone, faded in around the bias; its weight is
+    squared.
+    """
     rejected = np.clip((center_coc - np.abs(sample_coc)) / max(bias, LEAST_BIAS) - 0.5, 0.0, 1.0)
     return 1.0 - rejected + rejected * np.clip(np.abs(sample_coc) * mult, 0.0, 1.0) ** 2

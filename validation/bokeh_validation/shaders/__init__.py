@@ -1,4 +1,4 @@
-"""Complete programs out of the package's files, the way a user makes them: by concatenation."""
+"""Concatenate the package's files into complete programs, as its users do."""
 
 import re
 from collections.abc import Mapping
@@ -11,16 +11,16 @@ FUNCTION = re.compile(
     r"^(?P<doc>(?://[^\n]*\n)*)(?P<head>(?:@\w+ )?\w+ (?P<name>\w+)\([^{};]*)\n(?P<body>\{\n.*?^\})$",
     re.MULTILINE | re.DOTALL,
 )
-# A constant of the configuration, in HLSL and GLSL, and in WGSL
+# A constant of the configuration: in HLSL and GLSL, then in WGSL
 SETTING = r"^#ifndef (\w+)\n#define \1 ([^\s/]+)\n#endif$"
 WGSL_SETTING = r"^(?:const|override) (\w+): (?:i32 = (-?\d+)|f32 = (-?\d+\.\d+));$"
 
-# GLSL kinds: profile -> version line
+# GLSL profile -> version line
 GLSL_VERSIONS = {"330": "#version 330", "300es": "#version 300 es", "450": "#version 450"}
 
 
 def glsl_pass(entry: str) -> str:
-    """Name of BOKEH_PASS for an entry: BokehDepthOfField -> BOKEH_DEPTH_OF_FIELD."""
+    """Return the value of BOKEH_PASS for an entry: BokehDepthOfField -> BOKEH_DEPTH_OF_FIELD."""
     if entry == "BokehFullScreen":
         return "BOKEH_FULL_SCREEN"
     words = entry.removeprefix("Bokeh").replace("CoC", "Coc")
@@ -29,27 +29,27 @@ def glsl_pass(entry: str) -> str:
 
 @cache
 def text(language: str) -> str:
-    """All files of a language, in the order of paths.STEMS."""
+    """Return all files of a language as one text, in the order of paths.STEMS."""
     return "".join(file_text(language, stem) for stem in paths.STEMS)
 
 
 def file_text(language: str, stem: str = "bokeh") -> str:
-    """One of them."""
+    """Return the text of one file."""
     return paths.shader(language, stem).read_text(encoding="ascii")
 
 
 def presets(source: str) -> dict[str, dict[str, str]]:
-    """In HLSL and GLSL: preset -> name -> value; '' is none of them."""
+    """Return preset -> name -> value from HLSL or GLSL; '' is the key for no preset."""
     found = r"(?:defined\(BOKEH_PRESET_(\w+)\)|^#else)\n((?:#define BOKEH_PRESET_\w+ \S+\n)+)"
     values: dict[str, dict[str, str]] = {}
     for name, lines in re.findall(found, source, re.MULTILINE):
-        # a source may be several files, each with presets of its own
+        # the text may contain several files, each with its own presets
         values.setdefault(name, {}).update(re.findall(r"(\w+) (\S+)\n", lines))
     return values
 
 
 def settings(language: str, source: str) -> dict[str, str]:
-    """Name -> value in the configuration of a file, without a preset."""
+    """Return name -> value of the configuration in a text, without a preset."""
     found = re.findall(WGSL_SETTING if language == "wgsl" else SETTING, source, re.MULTILINE)
     plain = presets(source).get("", {})
     fixed = dict(re.findall(r"^#define (BOKEH_M\w+_DEPTH) (\S+)$", source, re.MULTILINE))
@@ -57,22 +57,31 @@ def settings(language: str, source: str) -> dict[str, str]:
 
 
 def defines(values: Mapping[str, object]) -> str:
-    """`#define` lines for HLSL and GLSL."""
+    """Return `#define` lines for HLSL and GLSL."""
     return "".join(f"#define {name} {value}\n" for name, value in values.items())
 
 
 def glsl(entry: str, profile: str = "330", values: Mapping[str, object] | None = None) -> str:
-    """A complete GLSL shader: `entry` is one of entries.ENTRIES or BokehFullScreen, `profile` one of GLSL_VERSIONS."""
+    """Return a complete GLSL shader.
+
+    entry    one of entries.ENTRIES or BokehFullScreen
+    profile  one of GLSL_VERSIONS
+    values   constants to define
+    """
     head = GLSL_VERSIONS[profile] + "\n" + defines({"BOKEH_PASS": glsl_pass(entry), **(values or {})})
     return head + text("glsl")
 
 
 def hlsl(shader_model: int | None, values: Mapping[str, object] | None = None) -> str:
-    """A complete HLSL file with every entry point, for shader model 3 to 6; None: for that of the compiler."""
+    """Return a complete HLSL file with every entry point.
+
+    shader_model  3 to 6; None: what the compiler reports
+    values        constants to define
+    """
     model = {"BOKEH_HLSL_SM": shader_model} if shader_model else {}
     return defines({**model, **(values or {})}) + text("hlsl")
 
 
 def wgsl() -> str:
-    """A complete WGSL module with every entry point; the sample count is a pipeline constant."""
+    """Return a complete WGSL module with every entry point; constants are set when a pipeline is created."""
     return text("wgsl")

@@ -1,4 +1,6 @@
-"""What code a program runs: the functions that its entry calls, without the branches that its constants leave out."""
+"""Find the code that a program runs: the functions that its entry calls, without branches that its
+constants disable.
+"""
 
 import re
 from collections.abc import Iterator, Mapping
@@ -12,19 +14,21 @@ _MAIN = {shaders.glsl_pass(name): f"{name}_PS" for name in ENTRIES} | {"BOKEH_FU
 
 
 def found_functions(text: str) -> Iterator[tuple[str, re.Match]]:
-    """Every function of a language's text with its name; GLSL's entries have that of the others, with _PS or _VS."""
+    """Yield every function of a text with its name; GLSL's main() has the name of the entry in HLSL,
+    with _PS or _VS.
+    """
     for match in shaders.FUNCTION.finditer(text):
         name = match["name"]
         if name == "main":
             branch = re.findall(r"BOKEH_PASS == (\w+)", text[: match.start()])[-1]
-            # an older text has entries that are gone
+            # an older text may have entries that no longer exist
             name = _MAIN.get(branch, branch)
         yield name, match
 
 
 @lru_cache(maxsize=16)
 def functions(text: str) -> Mapping[str, str]:
-    """Name -> code without comments; HLSL's two of one name, in two branches of an #if, are one."""
+    """Return name -> code without comments. Two HLSL functions of one name, in branches of an #if, are joined."""
     code: dict[str, str] = {}
     for name, match in found_functions(text):
         code[name] = code.get(name, "") + _code(match["head"] + "\n" + match["body"])
@@ -33,7 +37,7 @@ def functions(text: str) -> Mapping[str, str]:
 
 @lru_cache(maxsize=16)
 def _outside(text: str) -> tuple[tuple[str, frozenset[str]], ...]:
-    """The lines of code that are in no function, with the names of the package in each."""
+    """Return the lines of code outside functions, each with the package's names in it."""
     return tuple((line, _words(line)) for line in _code(shaders.FUNCTION.sub("", text)).splitlines())
 
 
@@ -43,7 +47,9 @@ def _words(code: str) -> frozenset[str]:
 
 
 def declared(text: str, code: Mapping[str, str]) -> frozenset[str]:
-    """The lines outside of functions that are about what some functions use, or about nothing of the package."""
+    """Return the lines outside functions that declare what these functions use, and those without a name of the
+    package.
+    """
     used = frozenset().union(*map(_words, code.values()))
     return frozenset(line for line, words in _outside(text) if not words or words & used)
 
@@ -55,7 +61,7 @@ def _code(text: str) -> str:
 
 @lru_cache(maxsize=4096)
 def _live(code: str, constants: frozenset[tuple[str, float]]) -> str:
-    """Code without the branches that these constants switch off."""
+    """Return code without the branches that these constants disable."""
     for name, value in constants:
         for least in re.findall(rf"if \({name} > (\d(?:\.0)?)\)$", code, re.MULTILINE):
             if value <= float(least):
@@ -71,7 +77,11 @@ def _called(code: str) -> tuple[str, ...]:
 
 @lru_cache(maxsize=1024)
 def program(text: str, entry: str, constants: frozenset[tuple[str, float]] = frozenset()) -> Mapping[str, str]:
-    """Name -> code of a function and of all that it calls; `entry` may be the code of a main function as well."""
+    """Return name -> code of a function and of everything that it calls.
+
+    entry      its name, or the code of a main function
+    constants  (name, value) pairs that the program is compiled with
+    """
     code, reached, waiting = functions(text), {}, [entry]
     while waiting:
         name = waiting.pop()
@@ -82,7 +92,7 @@ def program(text: str, entry: str, constants: frozenset[tuple[str, float]] = fro
 
 
 class Signature(NamedTuple):
-    """Type of a function of GLSL, and type and name of each of its parameters."""
+    """Hold the return type of a GLSL function, and type and name of each parameter."""
 
     kind: str
     parameters: tuple[tuple[str, str], ...]
@@ -90,7 +100,7 @@ class Signature(NamedTuple):
 
 @lru_cache(maxsize=16)
 def signatures(text: str) -> Mapping[str, Signature]:
-    """Name -> signature of every function of a GLSL text; of main() too, by its entry."""
+    """Return name -> signature of every function of a GLSL text; main() is listed under its entry's name."""
     found = {}
     for name, match in found_functions(text):
         kind, _, parameters = _code(match["head"]).strip().removesuffix(")").partition("(")
@@ -101,12 +111,14 @@ def signatures(text: str) -> Mapping[str, Signature]:
 
 @lru_cache(maxsize=16)
 def structs(text: str) -> Mapping[str, tuple[tuple[str, str], ...]]:
-    """Name -> type and name of each member of every struct of a GLSL text."""
+    """Return name -> (type, name) of each member of every struct of a GLSL text."""
     found = re.findall(r"^struct (\w+)\n\{\n(.*?)^\};$", _code(text), re.MULTILINE | re.DOTALL)
     return {name: tuple(re.findall(r"^ +(\w+) (\w+);$", members, re.MULTILINE)) for name, members in found}
 
 
 def called_from(text: str, entry: str) -> tuple[str, ...]:
-    """What an entry calls, itself and by functions of its own file `text`, that is not in that file."""
+    """Return the functions that an entry calls, directly or through functions of its own file `text`, outside that
+    file.
+    """
     own = program(text, f"{entry}_PS")
     return tuple(dict.fromkeys(name for code in own.values() for name in _called(code) if name not in own))

@@ -1,4 +1,4 @@
-"""The entry points of bokeh_passes.*: what each reads, how many targets it writes, and what it is."""
+"""Describe the entry points of bokeh_passes.*: what each reads, how many targets it writes, and its role."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -7,21 +7,21 @@ COPY, DEPTH, LATERAL, STEADY, VIEW = "copy", "depth", "lateral", "steady", "view
 LINE, ADAPTIVE, GRID, TABLE = "line", "adaptive", "grid", "table"
 FIRST, SECOND, EDGE, LAYERS = "first", "second", "edge", "layers"
 
-# Sides of the polygons that are exact, with the name that their entries begin with
+# Polygons of the exact and layered methods -> number of sides; their entries' names begin with the polygon's
 EXACT = {"square": 4, "hexagon": 6, "octagon": 8, "decagon": 10}
-# Of layers: those whose targets of both layers are four or fewer
+# Sides of the layered polygons for which one pass draws both layers, since that takes four targets at most
 BOTH = (4, 6)
 COLORS = ("ColorSamp", "ColorSampB", "ColorSampC", "ColorSampD", "ColorSampE", "ColorSampF")
 
 
 @dataclass(frozen=True)
 class Most:
-    """What the loops of bokeh_layers.* do at most with the settings of a frame (plan/fetches.py).
+    """Hold the maximum work of the loops of bokeh_layers.* with the settings of a frame (plan/fetches.py).
 
-    along    tiles that a pass over tiles looks at along one axis
-    filled   texels of HoleFill for each of its two textures, the pixel's own included
-    layer    fetches that enlarge one layer in Composite
-    gather   samples of Composite's gather
+    along   tiles that a tile pass reads along one axis
+    filled  texels that HoleFill reads from each of its two textures, the centre included
+    layer   fetches with which Composite enlarges one layer
+    gather  samples of Composite's gather
     """
 
     along: int
@@ -32,20 +32,20 @@ class Most:
 
 @dataclass(frozen=True)
 class Entry:
-    """An entry point by its stem: HLSL and WGSL add _PS, GLSL has one main() chosen by BOKEH_PASS.
+    """Describe an entry point by its stem: HLSL and WGSL add _PS, GLSL has a main() chosen by BOKEH_PASS.
 
-    role      COPY makes the CoC map of a colour, STEADY makes it steady; DEPTH linear depth, LATERAL lateral colour,
-              VIEW the debug view. LINE blurs along one line of a fixed number of samples, ADAPTIVE along one of any
-              length and spacing; GRID and TABLE gather in two dimensions. FIRST and SECOND are the passes of an exact
-              polygon, EDGE one target of the first; with `layers`, of a polygon of layers. LAYERS is the rest of
-              bokeh_layers.*
+    role      COPY makes a CoC map from colour, STEADY stabilises it; DEPTH computes linear depth, LATERAL lateral
+    colour, VIEW the debug view. LINE blurs along a line with a fixed number of samples, ADAPTIVE along one of any
+    length and spacing; GRID and TABLE gather in two dimensions. FIRST and SECOND are the passes of an exact polygon,
+    EDGE one target of the first; with `layers`, those of a layer's polygon. LAYERS are the other passes of
+    bokeh_layers.*
     textures  slots that it reads
-    targets   how many it writes
-    sides     of its polygon; 0 where a parameter says it, or there is none
-    layers    whether it is one of bokeh_layers.*
-    whole     name of the entry of whose targets it writes one: number BOKEH_TARGET_INDEX
-    fetches   of a pass of the layers but the lines: how many a texel takes at most; then, of several targets, those of
-              each alone, since its program leaves out what only the others need
+    targets   number of targets that it writes
+    sides     of its polygon; 0 if a parameter sets them, or if it has no polygon
+    layers    whether it belongs to bokeh_layers.*
+    whole     name of the entry with several targets of which it writes one, number BOKEH_TARGET_INDEX
+    fetches   for passes of the layers other than lines: the maximum per texel; for several targets, followed by the
+    maximum of each target drawn alone, whose program omits what only the others need
     """
 
     name: str
@@ -59,8 +59,10 @@ class Entry:
 
 
 def _polygon(word: str, sides: int, layers: bool = False) -> tuple[Entry, Entry]:
-    """The two passes of an exact polygon; those of layers, of both where sides are in BOTH, have the CoC in a slot of
-    their own, the second's fifth.
+    """Return the two passes of an exact polygon.
+
+    In passes of layers the layer CoC has its own slot, the fifth of the second pass. For sides in BOTH, both layers
+    are drawn in one pass.
     """
     both = 2 if layers and sides in BOTH else 1
     between = both * (sides // 2 - 1)
@@ -86,7 +88,7 @@ _SEVERAL = (
     _layers("Downsample", 5, 4, lambda most: (1 + 4 * 4 + 1 + 2 * 9, 17, 17, 10, 10)),
     _layers("HoleFill", 3, 2, lambda most: (1 + 2 * most.filled,) * 3),
 )
-# Slots that one of the targets alone does not need, target by target
+# Slots that an entry does not read when it draws one target alone, by target
 UNREAD = {
     "BokehLayerCoCReduce": (COLORS[:1], COLORS[1:2]),
     "BokehLayerCoCRows": (COLORS[1:3], COLORS[:1]),
@@ -118,12 +120,12 @@ _ALL = (
     *_SEVERAL,
     *(entry for word, sides in EXACT.items() for entry in _polygon(word, sides, layers=True)),
     _layers("Composite", 6, 1, lambda most: (2 + 2 * most.layer + most.gather + 2,)),
-    # one target at a time
+    # the same passes for one target at a time
     *(Entry(f"{entry.name}One", LAYERS, entry.textures, layers=True, whole=entry.name) for entry in _SEVERAL),
     Entry("BokehLayerEdge", EDGE, COLORS[:3], layers=True),
     Entry("BokehLayerSecondOne", SECOND, COLORS[:5], layers=True),
 )
 ENTRIES = {entry.name: entry for entry in _ALL}
-# With so many samples whatever their spacing: BOKEH_PAPER_SAMPLES
+# Roles with a number of samples that is fixed by BOKEH_PAPER_SAMPLES
 COUNTED = (LINE, GRID, TABLE)
 COPYING_ENTRIES = tuple(entry.name for entry in _ALL if entry.role == COPY)

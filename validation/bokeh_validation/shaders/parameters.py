@@ -1,14 +1,14 @@
-"""The parameters of bokeh_passes.*: their order, which is the layout of the block, defaults, units and meaning."""
+"""List the parameters of bokeh_passes.* in the order of the parameter block, with default, unit and meaning."""
 
 from typing import NamedTuple
 
 
 class Parameter(NamedTuple):
-    """A row of the table in docs/reference/parameters.md, which says what its short words stand for.
+    """Hold a row of the table in docs/reference/parameters.md, which explains the abbreviations.
 
-    default  where a pass does not say otherwise
+    default  the value unless a pass sets another
     unit     m, pixels, radians; height: of the image; CoC: its diameter; share: of the depth buffer's size
-    meaning  and range; a letter stands for the constant that it needs
+    meaning  and range; a letter in parentheses stands for the constant that it requires
     """
 
     default: float
@@ -76,5 +76,5 @@ BLOCK = {
 }
 PARAMETERS = {name: parameter.default for name, parameter in BLOCK.items()}
 
-# A constant buffer is a whole number of four floats
+# The size of a constant buffer is a multiple of four floats
 BLOCK_FLOATS = -(-len(BLOCK) // 4) * 4

@@ -1,16 +1,17 @@
-"""Three languages, one text: HLSL, GLSL and WGSL are rewritten to common words and compared statement by statement.
+"""Compare the three languages as one text: HLSL, GLSL and WGSL are rewritten to common words and compared statement by
+statement.
 
-Comments, blank lines and the order of everything are part of the text; spaces and line breaks in a statement are not.
-Two languages are compared in what both can say: samplers as parameters and arguments between HLSL and WGSL, `#` lines
-between HLSL and GLSL. What is not written as the rest of its language is cannot be rewritten, and so is a difference.
-Not compared, because it is each language's own business, is
+Comments, blank lines and the order of everything are part of the text; spaces and line breaks within a statement are
+not. Two languages are compared in what both can express: samplers as parameters and arguments between HLSL and WGSL,
+`#` lines between HLSL and GLSL. Code that does not follow the style of its language cannot be rewritten and shows as a
+difference. Not compared, because each language needs its own, are
 
   in the library   the header's PASTE block, and section [2] up to where the image lies in its textures
-  in the passes    all before the last heading (bindings, vertex shader) but the rows of the table of passes
+  in the passes    everything before the last heading (bindings, vertex shader), except the rows of the table of passes
   in both          of a function that reads a texture itself, which rules.py allows in section [2] only: its body, and
-                   its comment after the first line
+its comment after the first line
 
-What has to deviate has a rule of its own here, and its reason in docs/paper.md.
+Every other deviation needs a rule here, and its reason in docs/paper.md.
 """
 
 import re
@@ -31,7 +32,7 @@ _HEADING = re.compile(r"^// (?:pixel|fragment) shaders\n", re.MULTILINE)
 _PASS_NAMES = {shaders.glsl_pass(entry): f"{entry}_PS" for entry in ENTRIES}
 _TABLE_ROW = re.compile(rf"//   (?:{'|'.join(_PASS_NAMES)}|Bokeh\w+_PS)  ")
 
-# Common words, and what each language calls them
+# Common words, and the equivalents of each language
 _WORDS = ("<float>", "<2>", "<3>", "<4>", "<int>", "<texture>", "<depth texture>")
 _TYPES = {
     "hlsl": ("float", "float2", "float3", "float4", "int", "BOKEH_TEXTURE", "BOKEH_DEPTH_TEXTURE"),
@@ -41,7 +42,7 @@ _TYPES = {
 
 
 def _own_body(found: re.Match) -> str:
-    """A function that reads a texture, to its head and the first line of its comment."""
+    """Reduce a function that reads a texture to its head and the first line of its comment."""
     first = found["doc"].partition("\n")[0]
     return f"{first}\n{found['head']};" if re.search(rf"{rules.SAMPLING}\(", found["body"]) else found[0]
 
@@ -55,13 +56,13 @@ def _wgsl_targets(found: re.Match) -> str:
     return " ".join(f"target{i} = {value};" for i, value in enumerate(re.split(r",\s+", found[1])))
 
 
-# (pattern, replacement), in the order in which they are carried out: of the whole text, then of the code
+# (pattern, replacement) in the order of application: first to the whole text, then to the code
 _Rewrites = tuple[tuple[str, str | Callable[[re.Match], str]], ...]
 _EVERYWHERE: _Rewrites = (
     (r"^// PASTE(?s:.*?)(?=^// CONTENTS)", ""),
     (r"^(// \[2\] .*\n)(?s:.*?)(?=^// where the image lies in its textures)", r"\1"),
     (rf"(?s:{shaders.FUNCTION.pattern})", _own_body),
-    # in shader model 3 a loop runs at most 255 times: the naive gather has two
+    # shader model 3 limits a loop to 255 iterations, so HLSL's naive gather has two nested loops
     (
         r"BOKEH_LOOP for.*BOKEH_LOOP_LIMIT\) // differs: 255 loops\n"
         r"(.*)j; i < min\(j \+ BOKEH_LOOP_LIMIT, (\w+)\)",
@@ -70,7 +71,7 @@ _EVERYWHERE: _Rewrites = (
     (r"(?<=^//   )BOKEH_\w+", lambda found: _PASS_NAMES.get(found[0], found[0])),
     (r"^#define BOKEH_LOOP_LIMIT.*// differs: .*$", " "),
     (r"^#define (BOKEH_M\w+_DEPTH) (\S+)$", r"\1 = \2;"),
-    # WGSL has no preprocessor: there all files are always in the program
+    # WGSL has no preprocessor, so a program always contains all files
     (r"^#ifdef BOKEH_LENS\n((?: .*\n)* .*)\n#endif$", r"\1"),
     (r"^#ifdef BOKEH_(?:PAPER|LENS|LAYERS)\n((?:(?!#).*\n)*)#endif\n", r"\n\1\n"),
 )
@@ -116,7 +117,7 @@ _LINE = re.compile(
 
 
 class Difference(NamedTuple):
-    """One thing that is not the same in the languages, or breaks a rule; `lines`: what stands where."""
+    """Hold one difference between the languages, or one broken rule; `lines` are the places and their text."""
 
     where: str
     what: str
@@ -127,7 +128,7 @@ class Difference(NamedTuple):
 
 
 class TextLine(NamedTuple):
-    """What _LINE finds, in common words; number and text of its line."""
+    """Hold a match of _LINE in common words, with number and text of its line."""
 
     common: str
     number: int
@@ -135,15 +136,15 @@ class TextLine(NamedTuple):
 
 
 def check(texts: Mapping[str, str] | None = None) -> list[Difference]:
-    """Every difference between the languages, and every broken rule; empty where all is well.
+    """Return every difference between the languages, and every broken rule; empty if all is well.
 
-    `texts`: path from the top of the checkout, 'hlsl/bokeh.hlsl' and so on -> text that stands in for that file; files
-    not named are read from the checkout.
+    texts  path from the top of the checkout, such as 'hlsl/bokeh.hlsl' -> text to check instead of that file; other
+    files are read from the checkout
     """
     files: dict[str, str] = dict(texts or {})
     for key in (key for keys in FILES.values() for key in keys.values()):
         if key not in files:
-            # as it is: what is not UTF-8, and every kind of line end, is for the rules to see
+            # read without conversion, so that the rules see what is not UTF-8 and every kind of line end
             files[key] = (paths.shaders() / key).read_bytes().decode("utf-8", errors="surrogateescape")
     found: list[Difference] = []
     for keys in FILES.values():
@@ -161,7 +162,7 @@ def parity() -> None:
     terminal.end(not differences)
 
 
-# The mutants and the tests change one file a thousand times over: what was found in the others is kept.
+# Mutants and tests change one file a thousand times; what was found in the others is cached.
 @lru_cache(maxsize=64)
 def _ruled(language: str, key: str, text: str) -> list[Difference]:
     found = rules.findings(text, language, key != PASSES[language])
@@ -170,7 +171,7 @@ def _ruled(language: str, key: str, text: str) -> list[Difference]:
 
 @lru_cache(maxsize=64)
 def _compared(pair: tuple[str, str], files: tuple[tuple[str, str], ...]) -> list[Difference]:
-    """Two languages' files, each a path and a text."""
+    """Compare the files of two languages, each a path and a text."""
     sides = [_said(_lines(pair[i], files[i][1]), pair[1 - i]) for i in (0, 1)]
     one, other = ([line.common for line in side] for side in sides)
     found = []
@@ -186,7 +187,7 @@ def _compared(pair: tuple[str, str], files: tuple[tuple[str, str], ...]) -> list
 
 
 def _said(lines: Sequence[TextLine], other: str) -> list[TextLine]:
-    """What another language can say too; several blank lines are one."""
+    """Keep what the other language can express too, and reduce several blank lines to one."""
     kept: list[TextLine] = []
     for line in lines:
         if other == "glsl":
@@ -200,7 +201,7 @@ def _said(lines: Sequence[TextLine], other: str) -> list[TextLine]:
 
 @lru_cache(maxsize=64)
 def _lines(language: str, text: str) -> tuple[TextLine, ...]:
-    """A file in common words."""
+    """Split a file into lines in common words."""
     sources = text.split("\n")
     if heading := _HEADING.search(text):
         before = text[: heading.end()].split("\n")
@@ -225,7 +226,7 @@ def _lines(language: str, text: str) -> tuple[TextLine, ...]:
 
 
 def _rewritten(text: str, rewrites: _Rewrites) -> str:
-    """With as many lines as before."""
+    """Apply rewrites, keeping the number of lines."""
     for pattern, new in rewrites:
 
         def same_height(match: re.Match, new: str | Callable = new) -> str:

@@ -1,4 +1,4 @@
-"""What compilers and users trip over in a shader file by itself, whatever the other languages do."""
+"""Check each shader file for what compilers and users trip over, independently of the other languages."""
 
 import re
 from collections.abc import Iterator
@@ -10,15 +10,16 @@ from bokeh_validation.shaders.passes import PARAMETERS
 
 SPDX = "// SPDX-License-Identifier: MIT\n"
 TOO_LONG = "more than 100 characters in a line"
-# A user counts what they have to write in a call: with samplers beside the textures WGSL needs more
+# Most parameters of a function, as a user writes them in a call; WGSL needs more, since it has samplers next to
+# textures
 MAX_PARAMETERS = {"glsl": 8, "hlsl": 8, "wgsl": 12}
-# Everything that reads or asks a texture, or needs derivatives; section [2] is the one place for it
+# Everything that samples or queries a texture, or needs derivatives; allowed in section [2] only
 SAMPLING = (
     r"\b(?a:tex(?:1D|2D|3D|CUBE)\w*|texture\w*|texelFetch\w*|shadow[12]D\w*|image(?:Load|Store)\w*|Gather(?:Red|Green|Blue|Alpha|Cmp\w*)?|Load\w*"
     r"|Sample(?:Level|Grad|Bias|Cmp\w*)?|GetDimensions|CalculateLevelOfDetail\w*|dd[xy](?:_\w+)?|dFd[xy]\w*|dpd[xy]\w*"
     r"|fwidth\w*)\b(?!<f32>)"
 )
-# Of a line, and of the code in a line of the common text
+# Patterns forbidden in a line, and in the code of the common text
 LINE = {
     "a tab, a carriage return or a character that is not ASCII": r"[^\n -~]",
     "a backslash at the end of a line: GLSL would join the next one to it": r"\\[ \t\r]*$",
@@ -30,7 +31,7 @@ COMMON = {
     "a bit operator: SM3 has none": r"(?<![&|<>])(?:[&|](?![&|])|\^|~|<<|>>)",
     "WGSL cannot assign to a swizzle": r"\.(?:[xyzw]{2,4}|[rgba]{2,4}|[stpq]{2,4}) *(?:[-+*/%]?=(?!=)|\+\+|--)",
 }
-# bokeh_passes.* is not for ReShade
+# bokeh_passes.* is exempt, since ReShade does not use it
 RESHADE = "a member of a function's result: ReShade's compiler makes invalid SPIR-V of it"
 MEMBER_OF_RESULT = re.compile(r"\)\.(?![xyzwrgba]{1,4}\b)[A-Za-z]")
 DECLARED = re.compile(
@@ -43,7 +44,10 @@ DECLARED = re.compile(
 
 
 def findings(text: str, language: str, is_library: bool) -> Iterator[tuple[int, str, str]]:
-    """All that is wrong with a file, as (line, what, text of the line). `is_library`: all but bokeh_passes.*."""
+    """Yield everything that is wrong with a file, as (line number, what, text of the line).
+
+    is_library  True for all files except bokeh_passes.*
+    """
     lines = text.split("\n")
     for place, what in _findings(text, language, is_library):
         number = text.count("\n", 0, place)
@@ -51,7 +55,7 @@ def findings(text: str, language: str, is_library: bool) -> Iterator[tuple[int, 
 
 
 def _findings(text: str, language: str, is_library: bool) -> Iterator[tuple[int, str]]:
-    """(offset, what)."""
+    """Yield (offset, what)."""
     version, header = f"Version {bokeh_validation.__version__}.", re.match(r"(?://.*\n)*", text)[0]
     if not text.startswith(SPDX) or re.findall(r"Version [\d.]+", header) != [version]:
         yield 0, f"not {SPDX.strip()!r} first, and {version!r} once in the header"
@@ -80,7 +84,7 @@ def _findings(text: str, language: str, is_library: bool) -> Iterator[tuple[int,
 
 
 def _interface(text: str, language: str) -> Iterator[tuple[int, str]]:
-    """Parameters, and in GLSL values of BOKEH_PASS, are those of the harness in its order."""
+    """Check that parameters, and in GLSL the values of BOKEH_PASS, match the harness in names and order."""
     form = {"hlsl": "BOKEH_PARAMETER(float, {0}, {1})", "glsl": "BOKEH_PARAMETER(float, {0})", "wgsl": "    {0}: f32,"}
     names = [*map(shaders.glsl_pass, ENTRIES), "BOKEH_FULL_SCREEN"]
     blocks = {"parameters": [form[language].format(name, number) for number, name in enumerate(PARAMETERS)]}

@@ -1,4 +1,4 @@
-"""The shader programs that are compiled, and the compilers that each goes through."""
+"""List the shader programs that are compiled, and the compilers that each goes through."""
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
@@ -9,22 +9,22 @@ from bokeh_validation.shaders.passes import PAPER_SAMPLES
 
 VERTEX = "BokehFullScreen"
 
-# Values of BOKEH_NUM_SAMPLES by the role of an entry; others, and those of the layers, do not depend on it.
+# Values of BOKEH_NUM_SAMPLES by the role of an entry; other roles and the layers do not depend on it.
 SAMPLES: dict[str, tuple[int, ...]] = {
-    # on a line: the fewest, and the paper's
+    # on a line: the minimum, and the paper's
     entries.LINE: (2, PAPER_SAMPLES),
-    # and the most that a wide blur takes, with counts that follow the blur
+    # and the maximum for a wide blur, where the number of samples follows the CoC
     entries.ADAPTIVE: (2, PAPER_SAMPLES, 64),
     **dict.fromkeys((entries.FIRST, entries.SECOND, entries.EDGE), (7, 33)),
-    # offsets in the kernel: as above, the hexagon of the paper's Figure 4, more than shader model 3 counts to, and the
-    # largest of the paper's Table 1
+    # offsets in the kernel: as above, the hexagon of the paper's Figure 4, more than a loop of shader model 3 can
+    # count, and the largest of the paper's Table 1
     entries.TABLE: (2, PAPER_SAMPLES, 127, 256, 576),
-    # along a side of the grid: 24 is the largest of Table 1, 576 samples
+    # along one side of the grid: 24 is the largest of Table 1, 576 samples
     entries.GRID: (2, PAPER_SAMPLES, 24),
 }
 
-# Switches: images that are a part of their textures; a cat's eye and curved blades; what the CoC map can do; noise;
-# polygons of as many sides as there are
+# Switches: images inside larger textures; cat's eye and curved blades; focus controls of the CoC map; random offsets;
+# a constant number of sides, here the maximum
 SWITCHES = {
     "viewport": {"BOKEH_VIEWPORT": 1},
     "lens": {"BOKEH_LENS_SHAPE": 1},
@@ -32,34 +32,36 @@ SWITCHES = {
     "jitter": {"BOKEH_JITTER": 1},
     "sides": {"BOKEH_SIDES": 10},
 }
-# A switch that matters for the room of a program alone -> where room is short
+# A switch that is only compiled where it matters, because it makes programs larger -> the profile with the tight
+# limits
 ONLY_IN = {"jitter": "sm3"}
-# A switch that few programs notice -> what is in their names
+# A switch that affects few programs -> parts of their names
 NOTICED_BY = {"sides": ("HoleFill", "Composite")}
-# The entries that are compiled with them: one of each kind, and the longest programs of shader model 3
+# Entries that are compiled with the switches: one of each kind, and the longest programs of shader model 3
 SWITCHED = (
     "CoCMap SignedCoCMap AdaptiveFinal NaiveGather OctagonFirst DecagonFirst DecagonSecond ExactEdge StableMap "
     "LateralColor TileDilate Prefilter HoleFill DecagonLayerSecond Composite"
 )
-# In shader model 3 only exact polygons with several targets have room for a cat's eye, and the last pass of layered
-# none for a viewport
+# Combinations that exceed shader model 3: a cat's eye fits only exact polygons with several targets, and a viewport
+# does not fit the last pass of layered
 NO_ROOM = {"lens": ("ExactEdge", "Layer", "HoleFill", "Composite"), "viewport": ("Composite",)}
 
-# Language, profile, main compilers, the others. The main ones are those that users of the language have.
+# Language, profile, main compilers (those that users of the language have), other compilers.
 VARIANTS = (
     # OpenGL 3.3
     ("glsl", "330", "glslang mesa", "spirv-val"),
-    # OpenGL ES 3.0, WebGL 2. The ES dialect has no SPIR-V below 3.10.
+    # OpenGL ES 3.0 and WebGL 2. glslang makes SPIR-V of the ES dialect from version 3.10 on only.
     ("glsl", "300es", "angle", "glslang mesa"),
-    # Vulkan, and from there to Apple's Metal; mesa compiles it as OpenGL 4.5
+    # Vulkan, and from there Apple's Metal; Mesa compiles it as OpenGL 4.5
     ("glsl", "450", "glslang", "spirv-val msl mesa"),
-    # Direct3D 9: ps_3_0, vs_3_0. fxc does not enforce its 512 slots, 224 constants, 16 samplers, 32 temporaries: we do.
+    # Direct3D 9: ps_3_0, vs_3_0. fxc does not enforce the limits of 512 slots, 224 constants, 16 samplers and 32
+    # temporaries, so the harness does.
     ("hlsl", "sm3", "fxc", ""),
-    # Direct3D 11: ps_5_0, vs_5_0, and by way of glslang to Vulkan and Metal
+    # Direct3D 11: ps_5_0, vs_5_0, and through glslang to Vulkan and Metal
     ("hlsl", "sm5", "fxc", "glslang spirv-val msl"),
-    # Direct3D 12, and Vulkan by way of DXC
+    # Direct3D 12, and Vulkan through DXC
     ("hlsl", "sm6", "dxc-spirv", "dxc-dxil spirv-val msl naga"),
-    # Slang, to each of its languages; what Khronos and wgpu say of what comes out
+    # Slang to each of its languages; its output is checked by Khronos's validator, glslang and wgpu
     ("hlsl", "slang", "slang-spirv slang-glsl slang-wgsl slang-metal naga", "spirv-val glslang"),
     # WebGPU; BOKEH_NUM_SAMPLES is a pipeline constant
     ("wgsl", "wgsl", "naga tint", ""),
@@ -68,14 +70,14 @@ VARIANTS = (
 
 @dataclass(frozen=True)
 class Program:
-    """A shader in one configuration.
+    """Describe a shader in one configuration.
 
-    variant    such as 'glsl-330' or 'wgsl-viewport': what it is compiled for
+    variant    what it is compiled for, such as 'glsl-330' or 'wgsl-viewport'
     profile    such as '330', 'sm6' or 'slang'
     entry      an entry's name or VERTEX
-    samples    BOKEH_NUM_SAMPLES, or None for the default of the shader file
-    compilers  those it goes through, of registry.COMPILERS
-    values     other configuration values of section [1], as they are written in the file
+    samples    BOKEH_NUM_SAMPLES; None: the default of the shader file
+    compilers  names of registry.COMPILERS
+    values     other configuration values of section [1], by their names in the file
     """
 
     variant: str
@@ -88,27 +90,27 @@ class Program:
 
     @property
     def name(self) -> str:
-        """Unique and readable, such as 'glsl-330 BokehNaiveGather 127'."""
+        """Return a unique, readable name, such as 'glsl-330 BokehNaiveGather 127'."""
         return " ".join(filter(None, (self.variant, self.entry, str(self.samples or ""))))
 
     @property
     def stage(self) -> str:
-        """'vert' or 'frag'."""
+        """Return 'vert' or 'frag'."""
         return "vert" if self.entry == VERTEX else "frag"
 
     @property
     def targets(self) -> int:
-        """How many render targets it writes; of a vertex shader, what it is linked with does."""
+        """Return the number of render targets; for a vertex shader, that of the fragment shader it is linked with."""
         return 1 if self.entry == VERTEX else entries.ENTRIES[self.entry].targets
 
     @property
     def function(self) -> str:
-        """Name of the entry point in HLSL and WGSL."""
+        """Return the name of the entry point in HLSL and WGSL."""
         return self.entry + ("_VS" if self.entry == VERTEX else "_PS")
 
     @property
     def configuration(self) -> dict[str, int]:
-        """What is not left at the default of the shader file: in WGSL, the pipeline constants."""
+        """Return the values that differ from the shader file's defaults; in WGSL they are pipeline constants."""
         if self.samples is None:
             return dict(self.values)
         counted = entries.ENTRIES[self.entry].role in entries.COUNTED
@@ -116,21 +118,21 @@ class Program:
 
     @property
     def source(self) -> str:
-        """The complete text. In WGSL the configuration is not in it."""
+        """Return the complete text; WGSL does not contain the configuration."""
         if self.language == "glsl":
             return shaders.glsl(self.entry, self.profile, self.configuration)
         if self.language == "hlsl":
-            # Slang is to find out its shader model itself
+            # Slang has to detect its shader model itself
             model = None if self.profile == "slang" else int(self.profile.removeprefix("sm"))
             return shaders.hlsl(model, self.configuration)
         return shaders.wgsl()
 
 
 def load(quick: bool = False, main: bool = False) -> list[Program]:
-    """All programs.
+    """Return all programs.
 
-    quick  one sample count for each entry, the paper's where there is one, and no switches
-    main   through the main compilers only
+    quick  one sample count per entry, the paper's if it is listed, and no switches
+    main   with the main compilers only
     """
     programs = []
     for language, profile, main_compilers, others in VARIANTS:
@@ -151,7 +153,7 @@ def load(quick: bool = False, main: bool = False) -> list[Program]:
 
 
 def _entries(quick: bool) -> Iterator[tuple[str, int | None]]:
-    """Each entry with its sample counts."""
+    """Yield each entry with its sample counts."""
     yield VERTEX, None
     for entry in entries.ENTRIES.values():
         counts = (None,) if entry.layers else SAMPLES.get(entry.role, (None,))
