@@ -1,7 +1,8 @@
-"""Headless Chromium with a page in it: that of the browser drivers and compilers (page/), an engine's sample, others.
+"""Run headless Chromium with a page: that of the browser drivers and compilers (page/), an engine's sample, or
+another.
 
-A browser is started on first use, asked by one call at a time, and gone when the process ends. Playwright's event loop
-would be in the way of others in the same thread. So it has a thread of its own, and a caller waits with a time limit.
+A browser starts on first use, answers one call at a time, and ends with the process. Playwright's event loop would
+conflict with others in the same thread, so it has its own thread, and callers wait with a time limit.
 """
 
 import asyncio
@@ -21,60 +22,62 @@ from bokeh_validation import needs
 from bokeh_validation.errors import Unavailable
 
 VARIABLE = "BOKEH_CHROMIUM"
-# Debian's name, Ubuntu's (there a snap, which works as well), and Google's own packages
+# Commands of Debian, of Ubuntu (a snap, which works too), and of Google's packages
 NAMES = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable")
 INSTALL = f"{needs.install('chromium')}, or set {VARIABLE} to a Chromium"
-OLDEST = 140  # the first with Uint8Array.fromBase64
+OLDEST = 140  # the first version with Uint8Array.fromBase64
 
-# The browser serves one page from memory: it has nothing to ask of any network. A software device may take long over
-# one draw, and that is no reason to stop it: the limits below are ours.
+# The browser shows one page from memory and needs no network. A software device may take long over a draw; that must
+# not stop it, since the limits below already do.
 FLAGS = (
     "--disable-background-networking --disable-component-update --disable-domain-reliability --disable-sync "
     "--disable-breakpad --disable-quic --no-first-run --no-pings --metrics-recording-only --disable-gpu-watchdog "
     "--disable-background-timer-throttling --enable-unsafe-webgpu "
-    # the software device that comes with Chromium
+    # use the software device that comes with Chromium
     "--use-angle=swiftshader --enable-unsafe-swiftshader --use-webgpu-adapter=swiftshader"
 ).split() + ["--host-resolver-rules=MAP * ~NOTFOUND"]
 
 START_LIMIT = 60.0  # seconds; it takes 1
-RUN_LIMIT = 120.0  # 640 x 480 takes 1 on two cores
-STOP_LIMIT = 40.0  # Playwright kills a browser that does not end within 30
+RUN_LIMIT = 120.0  # seconds; 640 x 480 takes 1 on two cores
+STOP_LIMIT = 40.0  # seconds; Playwright kills a browser that does not end within 30
 
 TEMPORARY = {"prefix": "bokeh-chromium-", "ignore_cleanup_errors": True}
-LONGEST_FOLDER = 40  # characters of the folder for temporary files
-# Of what the page logged, an error repeats so many messages, and so many characters of each
+LONGEST_FOLDER = 40  # most characters in the path of the folder for temporary files
+# An error repeats this many of the page's log messages, and this many characters of each
 MESSAGES, WORDS = 4, 800
 
 PAGE = Path(__file__).parent / "page"
-# [whether it returned, the value or the text of what it threw]: the page catches its own errors, so that they are not
-# taken for Playwright's
+# Returns [whether the function returned, its value or the text of its error]. The page catches its errors so that they
+# are not mistaken for Playwright's.
 CALL = """async (argument) => {
     try { return [true, await window.bokeh.%s(argument)]; }
     catch (error) { return [false, error.message ?? String(error)]; }
 }"""
-# WebGPU is for secure pages only. Nothing leaves the process: every request is answered from files.
+# WebGPU requires a secure page. Nothing leaves the process: every request is answered from files.
 ADDRESS = "https://bokeh.invalid/"
 
 
 class BrowserError(RuntimeError):
-    """The browser crashed, hung or could not be asked; the text says which. The next session() is a new one."""
+    """Raised if the browser crashed, hung or could not be called; the text says which. The next session() is a new
+    one.
+    """
 
 
 class Refused(RuntimeError):
-    """A function of the page threw an Error: its text."""
+    """Raised with the text of an Error that a function of the page threw."""
 
 
-# Beginning of an address below ADDRESS -> the folder that has what is asked for, or the content itself
+# Prefix of an address below ADDRESS -> the folder with the requested files, or the content of the only one
 Places = Sequence[tuple[str, Path | bytes]]
 
 
 class Session:
-    """One browser with a page in it. Any thread may call it; as a context it is closed at the end.
+    """Run one browser with a page. Any thread may call it; as a context manager it closes itself.
 
-    page     Playwright's, of its async interface
+    page     Playwright's page, of its async interface
     version  of Chromium
-    said     errors that the page wrote to the console since the last call
-    dead     why call() cannot work any more; '' while it can
+    said     errors that the page has logged since the last call
+    dead     why call() no longer works; '' while it does
     """
 
     def __init__(
@@ -85,12 +88,12 @@ class Session:
         flags: Sequence[str] = (),
         limit: float = RUN_LIMIT,
     ):
-        """Start it. Raises Unavailable where there is no Chromium, no Playwright, or it does not start.
+        """Start the browser. Raises Unavailable without Chromium or Playwright, or if it does not start.
 
-        address  of the page, which must make window.bokeh; below ADDRESS, or a whole one
-        places   tried in this order for each request
-        script   runs before the page's own
-        flags    more of the command line
+        address  of the page, which must define window.bokeh; below ADDRESS, or a full address
+        places   searched in this order for each request
+        script   runs before the page's own scripts
+        flags    additional command-line flags
         limit    seconds that a call may take
         """
         path = executable()
@@ -115,9 +118,9 @@ class Session:
         self.close()
 
     def call(self, function: str, argument: object = None) -> object:
-        """Call window.bokeh.<function>(argument) and return what it returns (texts, numbers, lists, dicts).
+        """Call window.bokeh.<function>(argument) and return its result (text, numbers, lists, dicts).
 
-        Raises BrowserError, and Refused also where something was only logged.
+        Raises BrowserError, and Refused if the function threw or anything was logged as an error.
         """
         with self._lock:
             if self.dead:
@@ -131,7 +134,7 @@ class Session:
             if self.dead:
                 self.close()
                 raise BrowserError(self.dead)
-            # one mistake in the library is logged once for every pass
+            # a mistake in the library would be logged once for every pass
             said = [text[:WORDS] for text in dict.fromkeys(self.said)][:MESSAGES]
             self.said.clear()
         if said or not returned:
@@ -139,18 +142,18 @@ class Session:
         return value
 
     def work(self, step: Coroutine, limit: float = RUN_LIMIT) -> object:
-        """What a step with Playwright's page returns. Raises TimeoutError after `limit` seconds."""
+        """Run a coroutine on Playwright's page and return its result. Raises TimeoutError after `limit` seconds."""
         return asyncio.run_coroutine_threadsafe(step, _loop()).result(limit)
 
     def close(self) -> None:
-        """End the browser."""
+        """Close the browser."""
         self.dead = self.dead or "Chromium was closed"
-        with suppress(Exception):  # a browser that is dead already
+        with suppress(Exception):  # the browser may have crashed already
             self.work(self._stack.aclose(), STOP_LIMIT)
 
     async def _open(self, path: str, flags: Sequence[str], address: str, places: Places, script: str) -> None:
         """Start the browser and load the page."""
-        # Chromium makes a socket in there, and the path of a socket has at most 107 characters
+        # Chromium creates a socket there, and a socket's path has at most 107 characters
         near = "/tmp" if os.path.isdir("/tmp") and len(tempfile.gettempdir()) > LONGEST_FOLDER else None
         folder = self._stack.enter_context(tempfile.TemporaryDirectory(dir=near, **TEMPORARY))
         try:
@@ -158,17 +161,17 @@ class Session:
         except ImportError:
             raise Unavailable(f"Playwright, which drives Chromium, is not installed; {needs.install('web')}") from None
 
-        # the browser's profile is where the driver has its temporary files; there is no parameter for that
+        # the browser's profile is placed in the driver's folder for temporary files, which has no parameter
         with patch.dict(os.environ, TMPDIR=folder):
             playwright = await async_playwright().start()
         self._stack.push_async_callback(playwright.stop)
         browser = await playwright.chromium.launch(
             executable_path=path,
             headless=True,
-            # it refuses to start with a sandbox as root
+            # as root, Chromium refuses to start with a sandbox
             chromium_sandbox=not hasattr(os, "geteuid") or os.geteuid() != 0,
             args=[*FLAGS, *flags],
-            # its crash reports go to the user's configuration folder otherwise, and its sockets to /tmp
+            # otherwise crash reports go to the user's configuration folder, and sockets to /tmp
             env={**os.environ, "TMPDIR": folder, "XDG_CONFIG_HOME": folder, "XDG_CACHE_HOME": folder},
         )
         self._stack.push_async_callback(browser.close)
@@ -189,14 +192,17 @@ class Session:
 
 @cache
 def _loop() -> asyncio.AbstractEventLoop:
-    """Playwright's. Its thread is a daemon, or a browser that does not answer would keep Python from ending."""
+    """Return the event loop for Playwright.
+
+    It runs in a daemon thread; otherwise a browser that hangs would keep Python from exiting.
+    """
     loop = asyncio.new_event_loop()
     threading.Thread(target=loop.run_forever, name="chromium", daemon=True).start()
     return loop
 
 
 def executable() -> str:
-    """Path of Chromium. Raises Unavailable."""
+    """Return the path of Chromium. Raises Unavailable."""
     named = os.environ.get(VARIABLE)
     for name in (named,) if named else NAMES:
         if path := shutil.which(name):
@@ -206,7 +212,7 @@ def executable() -> str:
 
 
 async def _answer(route, places: Places) -> None:
-    """Answer a request of a page."""
+    """Answer a page's request from `places`."""
     name = route.request.url.removeprefix(ADDRESS).partition("?")[0]
     for beginning, source in places:
         if isinstance(source, bytes):
@@ -218,7 +224,7 @@ async def _answer(route, places: Places) -> None:
 
 
 def _cause(error: BaseException) -> str:
-    """The telling line of a Playwright error, which holds all that Chromium printed."""
+    """Return the informative line of a Playwright error, whose text contains everything that Chromium printed."""
     lines = [line.strip() for line in str(error).splitlines() if line.strip()]
     telling = ("FATAL", "error while loading", "cannot open")
     return next((line for line in lines if any(word in line for word in telling)), lines[0] if lines else repr(error))
@@ -229,7 +235,7 @@ _guard = threading.Lock()
 
 
 def session() -> Session:
-    """The browser of this process, a new one where the last has died. Raises Unavailable."""
+    """Return the browser of this process, or a new one if the last has died. Raises Unavailable."""
     with _guard:
         if not _running or _running[-1].dead:
             _running[:] = [Session()]

@@ -1,4 +1,4 @@
-"""Every program of variants.py through every compiler that takes it: what tests/harness/test_compile.py compiles."""
+"""Compile every program of variants.py with every compiler that accepts it; tests/harness/test_compile.py does so."""
 
 import os
 import re
@@ -19,7 +19,7 @@ STYLES = {FAILED: "bold red", MISSING: "yellow", OK: "green"}
 
 @dataclass(frozen=True)
 class Cell:
-    """Outcome of one compiler for one program: what it printed, or how to install it where it is MISSING."""
+    """Hold one compiler's outcome for a program: what it printed, or how to install it if it is MISSING."""
 
     status: str
     message: str = ""
@@ -28,7 +28,9 @@ class Cell:
 
 @dataclass(frozen=True)
 class Row:
-    """A program, and compiler -> its outcome: of those that the program goes through, unless their input failed."""
+    """Hold a program, and compiler -> outcome for the compilers that it goes through; those whose input failed are
+    left out.
+    """
 
     program: Program
     cells: dict[str, Cell]
@@ -36,35 +38,35 @@ class Row:
 
 @dataclass(frozen=True)
 class Compilation:
-    """Programs that were compiled, in the order in which they were given."""
+    """Hold compiled programs in their given order."""
 
     rows: list[Row]
 
     @property
     def counts(self) -> dict[str, int]:
-        """Number of cells: 'ok', 'failed', 'missing'."""
+        """Return status -> number of cells, for 'ok', 'failed' and 'missing'."""
         statuses = [cell.status for row in self.rows for cell in row.cells.values()]
         return {status: statuses.count(status) for status in (OK, FAILED, MISSING)}
 
     @property
     def ok(self) -> bool:
-        """Nothing failed."""
+        """Return whether nothing failed."""
         return not self.counts[FAILED]
 
     @property
     def passed(self) -> bool:
-        """Nothing failed; under CI nothing is missing either."""
+        """Return whether nothing failed and, under CI, nothing is missing."""
         return self.ok and not (os.environ.get("CI") and self.counts[MISSING])
 
     @property
     def summary(self) -> str:
-        """One line: how many compilations were run, and how many failed."""
+        """Return one line: how many compilations were run, and how many failed."""
         counts = self.counts
         text = f"{len(self.rows)} programs, {counts[OK]} of {counts[OK] + counts[FAILED]} compilations ok"
         return text + (f", {counts[FAILED]} {FAILED}" if counts[FAILED] else "")
 
     def failures(self, lines: int = 3) -> list[str]:
-        """Return the first lines of each compiler that refused, once for all programs that have them in common."""
+        """Return the first lines of each compiler's errors, once for all programs with the same error."""
         names: dict[tuple[str, str], list[str]] = defaultdict(list)
         for row in self.rows:
             for column, cell in row.cells.items():
@@ -77,12 +79,12 @@ class Compilation:
 
     @property
     def missing(self) -> dict[str, str]:
-        """Compiler that is not here -> how to get it."""
+        """Return missing compiler -> how to install it."""
         cells = [item for row in self.rows for item in row.cells.items()]
         return {column: cell.message for column, cell in cells if cell.status == MISSING}
 
     def table(self) -> Table:
-        """A line for each variant: its compilers, how many programs each refused, and the most slots of any."""
+        """Return a table with a row per variant: its compilers, how many programs each rejected, and the most slots."""
         table = Table("variant", "programs", "compilers", box=None, pad_edge=False)
         for variant in dict.fromkeys(row.program.variant for row in self.rows):
             rows = [row for row in self.rows if row.program.variant == variant]
@@ -91,13 +93,13 @@ class Compilation:
         return table
 
     def as_json(self) -> dict[str, object]:
-        """All of it: lists, dicts, texts and numbers only."""
+        """Return everything as lists, dicts, texts and numbers."""
         rows = [{"name": row.program.name, **asdict(row)} for row in self.rows]
         return {"ok": self.passed, "summary": self.summary, "counts": self.counts, "rows": rows}
 
 
 def _words(column: str, cells: list[Cell]) -> str:
-    """Such as 'fxc ok (up to 426 slots)' or 'naga failed 3'."""
+    """Format a compiler's cells, such as 'fxc ok (up to 426 slots)' or 'naga failed 3'."""
     statuses = [cell.status for cell in cells]
     worst = next(status for status in STYLES if status in statuses)
     text = f"{column} [{STYLES[worst]}]{worst}[/]" + (f" {statuses.count(worst)}" if worst != OK else "")
@@ -106,7 +108,7 @@ def _words(column: str, cells: list[Cell]) -> str:
 
 
 def compile_programs(programs: Iterable[Program], edit: Callable[[str], str] | None = None) -> Compilation:
-    """Compile all programs. `edit` changes the text of each shader before it is compiled."""
+    """Compile all programs; `edit` changes the text of each shader beforehand."""
     return Compilation([_row(program, edit(program.source) if edit else program.source) for program in programs])
 
 
@@ -130,14 +132,14 @@ def _row(program: Program, source: str) -> Row:
     return Row(program, cells)
 
 
-# How each compiler writes a place, up to the line number: glslang and mesa, DXC and fxc, naga and tint
+# How compilers write a position, up to the line number: glslang and Mesa, DXC and fxc, naga and Tint
 _PLACE = re.compile(r"(?<![\w.])(?:shader\.(?:vert|frag)|0|bokeh\.hlsl|wgsl):(\d+)(?=[:(])")
 
 
 def located(message: str, source: str, language: str) -> str:
-    """Places in the complete program as places in the package's files, such as bokeh.glsl:251.
+    """Replace positions in the complete program by positions in the package's files, such as bokeh.glsl:251.
 
-    source  the program: lines of its own (version, defines), whose places are left as they are, then all files
+    source  the program: first its own lines (version, defines), whose positions are left unchanged, then all files
     """
     if not message:
         return ""

@@ -1,6 +1,6 @@
-"""The compilers of Chromium: ANGLE (GLSL ES), asked through WebGL 2, and tint (WGSL), asked through WebGPU.
+"""Compile with Chromium's compilers: ANGLE (GLSL ES) through WebGL 2, and Tint (WGSL) through WebGPU.
 
-ANGLE is that of Firefox, Safari and Edge as well; tint is Dawn's.
+Firefox, Safari and Edge use ANGLE too; Tint is part of Dawn.
 """
 
 from bokeh_validation import browser
@@ -10,17 +10,17 @@ from bokeh_validation.shaders.passes import SAMPLE_TYPES
 
 
 def version() -> str:
-    """Chromium's, which both are a part of. Raises Unavailable."""
+    """Return the version of Chromium, which contains both. Raises Unavailable."""
     return f"Chromium {browser.session().version}"
 
 
 def angle(vertex: str, fragment: str) -> CompileResult:
-    """Compile both stages and link them. Each line of the messages begins with its stage, or with 'link'."""
+    """Compile and link both stages. Each line of the messages begins with its stage, or with 'link'."""
     return _compiled("webgl2.compile", {"vertex": vertex, "fragment": fragment})
 
 
 def tint(vertex: Stage, fragment: Stage) -> CompileResult:
-    """Make a WGSL module, the code of both stages, and a render pipeline of them, with the package's bindings."""
+    """Create a WGSL module, the code of both stages, and a render pipeline with the package's bindings."""
     job = {
         "code": fragment.code,
         "slots": SAMPLE_TYPES,
@@ -32,7 +32,7 @@ def tint(vertex: Stage, fragment: Stage) -> CompileResult:
 
 
 def _compiled(function: str, job: dict) -> CompileResult:
-    """What the page answers; a crash or a hang is a refusal."""
+    """Return the page's answer as a result; a crash or a hang is reported as a rejection."""
     try:
         done = browser.session().call(function, job)
     except (browser.BrowserError, browser.Refused) as error:

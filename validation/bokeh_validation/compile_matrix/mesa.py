@@ -1,4 +1,4 @@
-"""Mesa's compiler, asked through a live context."""
+"""Compile with Mesa's compiler, through a live context."""
 
 import os
 
@@ -11,14 +11,14 @@ from bokeh_validation.process import once
 
 @once
 def driver() -> OSMesa:
-    """Raises Unavailable."""
-    # Mesa does not compile what it finds in its cache of compiled shaders
+    """Return an OSMesa driver. Raises Unavailable."""
+    # Mesa skips compiling what is in its shader cache, so that is disabled
     os.environ.setdefault("MESA_SHADER_CACHE_DISABLE", "true")
     return OSMesa()
 
 
 def version() -> str:
-    """The driver and its device. Raises Unavailable."""
+    """Return the driver and its device. Raises Unavailable."""
     return f"{driver().name}: {driver().adapter}"
 
 

@@ -1,4 +1,4 @@
-"""naga, the shader compiler of wgpu (and of Firefox, Bevy), asked through a live device."""
+"""Compile with naga, the shader compiler of wgpu, Firefox and Bevy, through a live device."""
 
 import re
 from collections.abc import Mapping
@@ -15,7 +15,7 @@ PROGRAM = Tool("naga", "cargo install naga-cli")
 
 @dataclass(frozen=True)
 class Stage:
-    """One stage of a pipeline: WGSL text or SPIR-V, its override constants, and how many targets it writes."""
+    """Hold one stage of a pipeline: WGSL text or SPIR-V, its override constants, and its number of targets."""
 
     code: str | bytes
     entry: str
@@ -25,12 +25,12 @@ class Stage:
 
 @once
 def driver() -> WGPU:
-    """A device of the usual choice. Raises Unavailable."""
+    """Return a WGPU driver on its default device. Raises Unavailable."""
     return WGPU()
 
 
 def version() -> str:
-    """wgpu and its device: naga has the version of wgpu-native. Raises Unavailable."""
+    """Return the versions of wgpu and its device; naga has the version of wgpu-native. Raises Unavailable."""
     device = driver()
     from wgpu.backends import wgpu_native
 
@@ -39,9 +39,9 @@ def version() -> str:
 
 
 def build(vertex: Stage, fragment: Stage) -> CompileResult:
-    """Make the modules and a render pipeline of them, with the bindings that the package documents.
+    """Create the modules and a render pipeline with the bindings that the package documents.
 
-    The pipeline is where override constants, bindings and the interface between the stages are checked.
+    Creating the pipeline checks override constants, bindings and the interface between the stages.
     """
     device = driver()
     try:
@@ -51,13 +51,13 @@ def build(vertex: Stage, fragment: Stage) -> CompileResult:
         ]
         device.make_pipeline(*stages, [TARGET_FORMAT] * fragment.targets)
     except (device.wgpu.GPUError, device.wgpu.GPUPipelineError) as error:
-        # without the frame 'Validation Error / Caused by / In wgpu...' that stands before each
+        # drop the prefix 'Validation Error / Caused by / In wgpu...'
         return refused(re.sub(r"\A\s*Validation Error\s+Caused by:\s+In \w+\s+", "", str(error)))
     return accepted("")
 
 
 def module(code: str) -> CompileResult:
-    """Make a module of WGSL, which checks all of it but its bindings and its interface between the stages."""
+    """Create a WGSL module, which checks all of it except its bindings and the interface between the stages."""
     device = driver()
     try:
         _module(code)
@@ -66,12 +66,12 @@ def module(code: str) -> CompileResult:
     return accepted("")
 
 
-@lru_cache(maxsize=4)  # a WGSL module has all entry points, and the vertex stage of SPIR-V is always the same
+@lru_cache(maxsize=4)  # a WGSL module has all entry points, and SPIR-V always has the same vertex stage
 def _module(code: str | bytes):
     return driver().device.create_shader_module(code=code)
 
 
 def spirv(source: str, entry: str, constants: Mapping[str, int]) -> CompileResult:
-    """SPIR-V of an entry point of WGSL, with its override constants, by naga's own program. Raises Unavailable."""
+    """Compile an entry point of WGSL with its override constants to SPIR-V, with naga's command. Raises Unavailable."""
     values = [word for name, value in constants.items() for word in ("--override", f"{name}={value}")]
     return PROGRAM.run(["--entry-point", entry, *values, "in.wgsl", "out.spv"], {"in.wgsl": source.encode()}, "out.spv")

@@ -1,4 +1,4 @@
-"""All compilers: what each takes, how it is run, and which version it is."""
+"""List all compilers: what each accepts, how it is run, and its version."""
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
@@ -12,11 +12,12 @@ from bokeh_validation.shaders.variants import VERTEX, Program
 
 @dataclass(frozen=True)
 class Compiler:
-    """A column of the table.
+    """Describe a column of the table.
 
-    tool   the program or library that it is, which `version` asks; raises Unavailable
-    run    what it says of a program, given its source or what another compiler has made of it; raises Unavailable
-    takes  the compilers whose output it takes, if the program goes through one of them; else the source
+    tool     the program or library
+    version  returns its version; raises Unavailable
+    run      compiles a program, given its source or another compiler's output; raises Unavailable
+    takes    the compilers whose output it accepts, if the program goes through one of them; else it takes the source
     """
 
     name: str
@@ -37,19 +38,22 @@ def _glslang(program: Program, source: str | bytes) -> CompileResult:
 
 
 def _other(program: Program) -> Program:
-    """A program is a vertex and a fragment shader: what one is linked with, taken as the package has it."""
+    """Return the program of the other stage that a program is linked with, with the package's defaults."""
     return replace(program, entry=VERTEX if program.stage == "frag" else "BokehCoCMap", samples=None)
 
 
 def _linked(link: Callable[[str, str], CompileResult], program: Program, source: str) -> CompileResult:
-    """GLSL with its other stage."""
+    """Link GLSL with its other stage."""
     other = _other(program)
     pair = {program.stage: source, other.stage: other.source}
     return link(pair["vert"], pair["frag"])
 
 
 def _pipeline(build: Callable[..., CompileResult], program: Program, code: str | bytes) -> CompileResult:
-    """WGSL, or SPIR-V of DXC, with its other stage; of Slang's WGSL, whose bindings are its own, the module alone."""
+    """Build a pipeline of WGSL, or of DXC's SPIR-V, with its other stage.
+
+    Slang's WGSL has bindings of its own choice, so only its module is created.
+    """
     if program.profile == "slang":
         return naga.module(code.decode())
     other, constants, partner = _other(program), program.configuration, code
@@ -71,25 +75,26 @@ def _slang(target: str) -> Callable[[Program, str], CompileResult]:
 
 SPIRV = ("glslang", "dxc-spirv", "slang-spirv")
 COMPILERS = (
-    # Slang: code comes out
+    # Slang generates code for each target
     *(Compiler(f"slang-{target}", "slang", slang.version, _slang(target)) for target in slang.TARGETS),
-    # Microsoft's d3dcompiler_47, Direct3D 9 to 11: ok when bytecode comes out, in sm3 within the shader model's budget
+    # Microsoft's d3dcompiler_47, Direct3D 9 to 11: it must generate bytecode, in sm3 within the shader model's limits
     Compiler("fxc", "fxc", fxc.version, lambda p, source: fxc.build(source, p.stage, p.function, int(p.profile[-1]))),
-    # the Khronos reference front end. 330, 450, sm5, GLSL of Slang: SPIR-V comes out; 300es: it parses, links
+    # Khronos's reference front end: it must generate SPIR-V for 330, 450, sm5 and Slang's GLSL; 300es must parse and
+    # link
     Compiler("glslang", "glslang", glslang.GLSLANG.version, _glslang, ("slang-glsl",)),
-    # Microsoft's DXC: SPIR-V comes out; DXIL for Direct3D 12 comes out
+    # Microsoft's DXC: it must generate SPIR-V, and DXIL for Direct3D 12
     Compiler("dxc-spirv", "dxc", dxc.version, lambda p, source: dxc.build(source, p.stage, p.function)),
     Compiler("dxc-dxil", "dxc", dxc.version, lambda p, source: dxc.build(source, p.stage, p.function, False)),
-    # the Khronos validator finds nothing in the SPIR-V, by the rules of OpenGL 4.5 for 330, of Vulkan 1.2 for Slang
-    # (it makes SPIR-V 1.5), else of Vulkan 1.0
+    # Khronos's validator must find nothing in the SPIR-V, by the rules of OpenGL 4.5 for 330, Vulkan 1.2 for Slang
+    # (which generates SPIR-V 1.5), and Vulkan 1.0 otherwise
     Compiler("spirv-val", "spirv-val", spirv.VAL.version, lambda p, module: spirv.validate(module, p.profile), SPIRV),
-    # the SPIR-V to the Metal Shading Language: text comes out; nothing outside Apple's tools compiles it
+    # SPIR-V must translate to the Metal Shading Language; only Apple's tools could compile the text
     Compiler("msl", "spirv-cross", spirv.CROSS.version, lambda _, module: spirv.msl(module), SPIRV),
-    # the compiler of an OpenGL driver, and the GLSL ES compiler of Chromium: both stages compile and link to a program
+    # an OpenGL driver's compiler, and Chromium's for GLSL ES: both stages must compile and link
     Compiler("mesa", "mesa", mesa.version, partial(_linked, mesa.build)),
     Compiler("angle", "angle", angle_tint.version, partial(_linked, angle_tint.angle)),
-    # wgpu's compiler, on WGSL or on DXC's SPIR-V, and Chromium's WGSL compiler: module and render pipeline are made; of
-    # Slang's WGSL the module
+    # wgpu's compiler, on WGSL or DXC's SPIR-V, and Chromium's WGSL compiler: module and render pipeline must be
+    # created; for Slang's WGSL only the module
     Compiler("naga", "naga", naga.version, partial(_pipeline, naga.build), ("dxc-spirv", "slang-wgsl")),
     Compiler("tint", "tint", angle_tint.version, partial(_pipeline, angle_tint.tint)),
 )

@@ -1,6 +1,6 @@
-"""Microsoft's DXC (HLSL shader model 6 to SPIR-V and DXIL), called through its C++ interface by ctypes.
+"""Compile HLSL of shader model 6 to SPIR-V and DXIL with Microsoft's DXC, called through its C++ interface by ctypes.
 
-The Linux library ships in the source package of compushady.
+The Linux library is part of the source package of compushady.
 """
 
 import ctypes
@@ -36,20 +36,21 @@ IID_BLOB = uuid.UUID("8BA5FB08-5195-40e2-AC58-0D989C3A0102").bytes_le
 OUT_OBJECT, OUT_ERRORS = 1, 2
 UTF8 = 65001
 
-# Slots of the virtual tables. Outside Windows IUnknown has a virtual destructor, which takes slots 3 and 4.
+# Slots of the virtual tables. Outside Windows, IUnknown also has a virtual destructor, in slots 3 and 4.
 SLOT_RELEASE, SLOT_FIRST = 2, 5
-# IDxcResult inherits GetStatus and two more; GetOutput comes after HasOutput. IDxcBlob: pointer, size.
+# IDxcResult inherits GetStatus and two more methods; GetOutput follows HasOutput. IDxcBlob: pointer, size.
 SLOT_OUTPUT = SLOT_FIRST + 4
 
-# Printed for every shader on Linux: it is about signing for Windows, not about the shader.
+# Printed for every shader on Linux; it concerns signing for Windows, not the shader.
 UNSIGNED = "warning: DXIL.dll not found.  Resulting DXIL will not be signed for use in release environments."
 
 
 def spirv_options(source: str) -> list[str]:
-    """Options that put HLSL's registers on the bindings of the WGSL file, where the text names them; all in set 0.
+    """Return the options that bind HLSL's registers as in the WGSL file, all in set 0, if the text names its
+    registers.
 
-    DXC refuses to bind registers of a text that leaves one to it. There textures have the bindings of their registers,
-    and samplers come behind them.
+    If it names none, DXC refuses to bind them. Textures then have the bindings of their registers, followed by the
+    samplers.
     """
     if "register(b0)" not in source:
         return ["-spirv", "-fvk-s-shift", str(spirv.REGISTERS["s0"]), "0"]
@@ -58,13 +59,13 @@ def spirv_options(source: str) -> list[str]:
 
 
 class Buffer(ctypes.Structure):
-    """DxcBuffer: pointer, size, code page."""
+    """Mirror DxcBuffer: pointer, size, code page."""
 
     _fields_ = [("pointer", ctypes.c_char_p), ("size", ctypes.c_size_t), ("encoding", ctypes.c_uint32)]
 
 
 def _call(pointer: ctypes.c_void_p, slot: int, *arguments, returns=ctypes.c_int32):
-    """A method of a COM object by its slot in the virtual table."""
+    """Call a method of a COM object by its slot in the virtual table."""
     table = ctypes.cast(pointer, ctypes.POINTER(ctypes.POINTER(ctypes.c_void_p))).contents
     kinds = [type(a) if isinstance(a, ctypes._SimpleCData) else ctypes.c_void_p for a in arguments]
     return ctypes.CFUNCTYPE(returns, ctypes.c_void_p, *kinds)(table[slot])(pointer, *arguments)
@@ -83,7 +84,7 @@ def _output(result: ctypes.c_void_p, kind: int) -> bytes:
 
 
 def fetch() -> Path:
-    """The library, downloaded if it was not there. Raises Unavailable."""
+    """Return the path of the library, downloading it first if necessary. Raises Unavailable."""
     if sys.platform != "linux" or platform.machine() not in ("x86_64", "aarch64"):
         raise Unavailable(f"no DXC library for {sys.platform} {platform.machine()} in {PACKAGE.name} {VERSION}")
     return PACKAGE.fetch()
@@ -91,10 +92,11 @@ def fetch() -> Path:
 
 @once
 def load() -> ctypes.c_void_p:
-    """The compiler object of the library, which is fetched on first use. Raises Unavailable."""
+    """Return the library's compiler object; the library is downloaded on first use. Raises Unavailable."""
     library, program, instance = ctypes.CDLL(str(fetch())), ctypes.CDLL(None), ctypes.c_void_p()
-    # Beside Mesa's LLVM the library's own clean-up waits for ever for a lock that is gone, or aborts the process that
-    # had succeeded: leave before it. GNU's on_exit calls its handlers with the exit status, which is what _exit takes.
+    # If Mesa's LLVM is loaded too, the library's clean-up at exit waits forever for a lock that is gone, or aborts a
+    # process that had succeeded. So the process exits before that clean-up: GNU's on_exit calls its handlers with the
+    # exit status, which _exit takes.
     if hasattr(program, "on_exit"):
         program.on_exit(program._exit, None)
     status = library.DxcCreateInstance(CLSID_COMPILER, IID_COMPILER3, ctypes.byref(instance))
@@ -104,24 +106,24 @@ def load() -> ctypes.c_void_p:
 
 
 def version() -> str:
-    """Of DXC. Raises Unavailable."""
+    """Return the release of DXC. Raises Unavailable."""
     load()
     return RELEASE
 
 
 def build(source: str, stage: str, entry: str, to_spirv: bool = True) -> CompileResult:
-    """HLSL of shader model 6 to SPIR-V or DXIL. `stage` is 'vert' or 'frag'.
+    """Compile HLSL of shader model 6 to SPIR-V or DXIL. `stage` is 'vert' or 'frag'. Raises Unavailable.
 
-    Not for several threads at once: there is one compiler object. Raises Unavailable.
+    Not thread-safe, since there is one compiler object.
     """
     profile = {"vert": "vs_6_0", "frag": "ps_6_0"}[stage]
     return _compile(source, ["-T", profile, "-E", entry, *(spirv_options(source) if to_spirv else ())])
 
 
 def kept_spirv(source: str, stage: str, entry: str) -> bytes:
-    """SPIR-V of a program that must compile, kept in the cache folder.
+    """Return the SPIR-V of a program that must compile, cached in the cache folder.
 
-    Raises RuntimeError with DXC's words where it refuses, and Unavailable.
+    Raises RuntimeError with DXC's messages if it rejects the program, and Unavailable.
     """
 
     def make() -> bytes:
@@ -135,7 +137,11 @@ def kept_spirv(source: str, stage: str, entry: str) -> bytes:
 
 
 def command(words: Sequence[str]) -> str | None:
-    """DXC's own command as far as `OPTIONS -Fo OUTPUT INPUT`: what it says where it refuses. Raises Unavailable."""
+    """Run DXC's command line as far as `OPTIONS -Fo OUTPUT INPUT`; returns its messages if it rejects the input, else
+    None.
+
+    Raises Unavailable.
+    """
     *options, _, output, file = words
 
     def included(found: re.Match) -> str:

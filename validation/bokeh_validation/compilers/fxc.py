@@ -1,6 +1,6 @@
-"""Microsoft's fxc: HLSL of shader models 3 to 5 to Direct3D bytecode, by d3dcompiler_47.dll.
+"""Compile HLSL of shader models 3 to 5 to Direct3D bytecode with Microsoft's fxc, which is d3dcompiler_47.dll.
 
-A small program of ours (windows/fxc.cpp) loads it, under Wine.
+A small program, windows/fxc.cpp, loads the DLL under Wine.
 """
 
 import re
@@ -13,9 +13,9 @@ from bokeh_validation.process import once
 from bokeh_validation.windows import programs, server, wine
 
 RELEASE = "10.0.26100.4654"  # of the library
-COMPILE_S = 60.0  # a program takes 0.01 to 2 s
+COMPILE_S = 60.0  # seconds; a program takes 0.01 to 2
 
-# What shader model 3 guarantees (Direct3D 9). fxc compiles beyond it without a word; drivers refuse.
+# Limits that shader model 3 guarantees (Direct3D 9). fxc silently compiles beyond them; drivers then refuse.
 BUDGETS = {
     "ps_3_0": {"slots": 512, "constants": 224, "samplers": 16, "temporaries": 32},
     "vs_3_0": {"slots": 512, "constants": 256, "samplers": 4, "temporaries": 32},
@@ -26,14 +26,18 @@ fetch = wine.COMPILER.fetch
 
 @once
 def load() -> server.Server:
-    """The running compiler, fetched, built and started on first use. Raises Unavailable."""
+    """Return the running compiler; it is downloaded, built and started on first use. Raises Unavailable."""
     running = server.Server(programs.build("fxc", "-ld3dcompiler_47"))
     running.start()
     return running
 
 
 def compiled(source: str, profile: str, entry: str) -> CompileResult:
-    """One program at a time, of a profile such as ps_3_0. A hang or a crash is a refusal. Raises Unavailable."""
+    """Compile a program for a profile such as ps_3_0. A hang or a crash is reported as a rejection. Raises
+    Unavailable.
+
+    Not thread-safe, since there is one compiler process.
+    """
     running, problem = load(), ""
     kept = {name: running.folder / f"fxc.{name}" for name in ("messages", "bytecode", "listing")}
     for file in kept.values():
@@ -55,16 +59,16 @@ def compiled(source: str, profile: str, entry: str) -> CompileResult:
     return accepted(messages, bytecode, known)
 
 
-# fxc names the file with the whole path of its working directory, and (line,column); DXC writes bokeh.hlsl:12:5
+# fxc gives the file's full path and (line,column); this is rewritten to DXC's form, bokeh.hlsl:12:5
 _PLACE = re.compile(r"^.*?bokeh\.hlsl\((\d+),([\d-]+)\)", re.MULTILINE)
 _SLOTS = re.compile(r"approximately (\d+) instruction slots? used", re.IGNORECASE)
 
 
 def facts(listing: str) -> dict[str, int]:
-    """Counts from a disassembly.
+    """Count resources in a disassembly.
 
-    slots                             as fxc counts them
-    temporaries, constants, samplers  registers rN, cN and sN that the code names, of shader model 3
+    slots                             instruction slots as fxc counts them
+    temporaries, constants, samplers  distinct registers rN, cN and sN in code of shader model 3
     """
     code = "\n".join(line for line in listing.splitlines() if not line.lstrip().startswith("//"))
     match = _SLOTS.search(listing)
@@ -74,22 +78,22 @@ def facts(listing: str) -> dict[str, int]:
     return known
 
 
-# break_ne and its like, of a register with itself
+# break_ne and similar instructions that compare a register with itself
 _DEAD_BREAK = re.compile(r"^\s*(break_(?:ne|lt|gt)\s+(\S+),\s*\2)\s*$", re.MULTILINE)
 
 
 def dead_break(listing: str) -> str:
-    """What is wrong where a loop of shader model 3 does not end: a `break` that compares a register with itself, or ''.
+    """Return a message if a loop of shader model 3 has a `break` that is never taken, or ''.
 
-    fxc writes `break` as 'break_ne 1, -1' and takes the two from its constants. Where it holds -1 alone, it has been
-    seen to write 'break_ne -c0.w, -c0.w', which is never taken.
+    fxc writes `break` as 'break_ne 1, -1' and takes both numbers from its constants. If it stores only -1, it may
+    write 'break_ne -c0.w, -c0.w', which compares a register with itself.
     """
     dead = _DEAD_BREAK.search(listing)
     return f"miscompiled: '{dead[1]}' is never taken, the loop runs to its end" if dead else ""
 
 
 def over_budget(known: Mapping[str, int], profile: str) -> str:
-    """A line for each limit of the shader model that is exceeded, or ''."""
+    """Return a line for each limit of the shader model that is exceeded, or ''."""
     words = {"slots": "instruction slots"}
     return "\n".join(
         f"over the budget of {profile}: {known[name]} {words.get(name, name)}, {limit} allowed"
@@ -99,21 +103,23 @@ def over_budget(known: Mapping[str, int], profile: str) -> str:
 
 
 def version() -> str:
-    """Of the library. Raises Unavailable."""
+    """Return the version of the library. Raises Unavailable."""
     load()
     return RELEASE
 
 
 def build(source: str, stage: str, entry: str, shader_model: int) -> CompileResult:
-    """HLSL of shader model 3, 4 or 5 to bytecode, with facts. `stage` is 'vert' or 'frag'. Raises Unavailable."""
+    """Compile HLSL of shader model 3, 4 or 5 to bytecode, with facts(). `stage` is 'vert' or 'frag'. Raises
+    Unavailable.
+    """
     profile = {"vert": "vs", "frag": "ps"}[stage] + f"_{shader_model}_0"
     return compiled(source, profile, entry)
 
 
 def bytecode(source: str, profile: str, entry: str) -> Path:
-    """File with the bytecode of a program that must compile, in the cache folder by its hash.
+    """Return the file with the bytecode of a program that must compile, in the cache folder.
 
-    Raises RuntimeError with fxc's words where it refuses, and Unavailable.
+    Raises RuntimeError with fxc's messages if it rejects the program, and Unavailable.
     """
 
     def make() -> bytes:

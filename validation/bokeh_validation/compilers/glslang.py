@@ -1,4 +1,4 @@
-"""The Khronos reference front end for GLSL, GLSL ES and HLSL: glslangValidator."""
+"""Compile GLSL, GLSL ES and HLSL with glslangValidator, Khronos's reference front end."""
 
 from collections.abc import Sequence
 
@@ -8,8 +8,8 @@ from bokeh_validation.compilers.tool import CompileResult, Tool
 
 GLSLANG = Tool("glslangValidator", needs.install("glslang"))
 
-# What the SPIR-V is for, as a client and as glslangValidator's options. OpenGL: GLSL 330 states no locations or
-# bindings, so they are assigned. HLSL: those of the WGSL file; to what --rsb gives a texture its shift is added.
+# Options of glslangValidator by what the SPIR-V is for. OpenGL: locations and bindings are assigned, since GLSL 330
+# states none. HLSL: the bindings of the WGSL file; the texture shift is added to what --rsb assigns.
 OPENGL = ("-G100", "--aml", "--amb")
 VULKAN = ("-V",)
 _FIRST = REGISTERS["t0"]
@@ -21,24 +21,24 @@ HLSL = (
 
 
 def parse(source: str, stage: str) -> CompileResult:
-    """Check GLSL or GLSL ES, the version as the text says, without making code. `stage` is 'vert' or 'frag'.
+    """Check GLSL or GLSL ES without generating code; the text states its version. `stage` is 'vert' or 'frag'.
 
-    -l links as well: without it a shader that lacks main() passes.
+    -l links as well; without it, a shader that lacks main() is accepted.
     """
     name = f"shader.{stage}"
     return GLSLANG.run(["-l", name], {name: source.encode()})
 
 
 def spirv(source: str, stage: str, options: Sequence[str], entry: str | None = None) -> CompileResult:
-    """Compile to SPIR-V. `options` is OPENGL, VULKAN or HLSL; HLSL takes the name of its entry point."""
+    """Compile to SPIR-V. `options` is OPENGL, VULKAN or HLSL; HLSL needs the name of its entry point."""
     name = f"shader.{stage}"
     arguments = [*options, *(("-e", entry) if entry else ()), "-o", "out.spv", name]
     return GLSLANG.run(arguments, {name: source.encode()}, "out.spv")
 
 
 def hlsl(source: str, stage: str, entry: str) -> CompileResult:
-    """HLSL with Texture2D and SamplerState (shader model 4 and 5) to SPIR-V.
+    """Compile HLSL with Texture2D and SamplerState (shader models 4 and 5) to SPIR-V.
 
-    Not for shader model 3: glslang takes sampler2D and tex2D but makes SPIR-V of it that is not valid.
+    Not for shader model 3: glslang accepts sampler2D and tex2D but generates invalid SPIR-V from them.
     """
     return spirv(source, stage, HLSL, entry)

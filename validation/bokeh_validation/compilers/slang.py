@@ -1,6 +1,6 @@
-"""Slang's compiler (HLSL to SPIR-V, GLSL, WGSL and Metal), called through its C interface by ctypes.
+"""Compile HLSL to SPIR-V, GLSL, WGSL and Metal with Slang, called through its C interface by ctypes.
 
-The library ships in the wheel of slangpy, which has no slangc.
+The library is part of the wheel of slangpy, which has no slangc.
 """
 
 import ctypes
@@ -18,24 +18,24 @@ from bokeh_validation.process import once
 
 VERSION = "0.43.1"
 RELEASE = "2026.12"  # of Slang, in that version of the package
-# Machine -> hash of its wheel. Which Python it is for does not matter: the library does not use Python.
+# Machine -> hash of its wheel. The wheel's Python version does not matter, since the library does not use Python.
 WHEELS = {
     "x86_64": "965dbbd1d907c90e17027945780146a67c66baf766f3d0b8af3f52ea2c4a8eb9",
     "aarch64": "d5dbffd31d3ee8488d4b6a6648f78e49bffa055ee3036fde839bef9de57973ff",
 }
-# What is made of every program; the keys are Slang's names
+# Targets of every program, by Slang's names
 TARGETS = ("spirv", "glsl", "wgsl", "metal")
 STAGES = {"vert": "vertex", "frag": "fragment"}
-# Registers to bindings of set 0: the buffer at 0, textures from 1 on, the sampler behind the eighth
+# Bindings of registers in set 0: the buffer at 0, textures from 1 on, the sampler after the eighth
 SHIFTS = ("-fvk-b-shift", "0", "0", "-fvk-t-shift", "1", "0", "-fvk-s-shift", "9", "0")
-# OpSource of SPIR-V, and what it says of HLSL
+# Opcode of OpSource in SPIR-V, and its number for HLSL
 OP_SOURCE, HLSL = 3, 5
 # Slots of a blob's virtual table
 SLOT_RELEASE, SLOT_POINTER, SLOT_SIZE = 2, 3, 4
 
 
 def fetch() -> Path:
-    """Return the path of the library, downloaded if it was not there. Raises Unavailable."""
+    """Return the path of the library, downloading it first if necessary. Raises Unavailable."""
     machine = platform.machine()
     if sys.platform != "linux" or machine not in WHEELS:
         raise Unavailable(f"no Slang library for {sys.platform} {machine} is pinned")
@@ -46,7 +46,7 @@ def fetch() -> Path:
 
 @once
 def load() -> tuple[ctypes.CDLL, ctypes.c_void_p]:
-    """Return the library, fetched on first use, and a session of it. Raises Unavailable."""
+    """Return the library, downloaded on first use, and a session. Raises Unavailable."""
     try:
         library = ctypes.CDLL(str(fetch()))
     except OSError as error:
@@ -67,20 +67,20 @@ def version() -> str:
 
 
 def build(source: str, stage: str, entry: str, target: str) -> CompileResult:
-    """Compile HLSL to one of TARGETS. `stage` is 'vert' or 'frag'; texts are UTF-8 in the result's `binary`.
+    """Compile HLSL to one of TARGETS. `stage` is 'vert' or 'frag'; in the result, texts are UTF-8 in `binary`.
 
-    All targets are made in one go, since most of the time goes into reading the source. Not for several threads at
-    once: there is one session. Raises Unavailable.
+    All targets are compiled together, since most of the time is spent on reading the source. Not thread-safe, since
+    there is one session. Raises Unavailable.
     """
     messages, codes = _built(source, stage, entry, TARGETS)
-    if not codes:  # any of them may have been refused
+    if not codes:  # any one of the targets may have been rejected
         messages, codes = _built(source, stage, entry, (target,))
     return accepted(messages, codes[target]) if codes.get(target) else refused(messages)
 
 
 @lru_cache(maxsize=2)
 def _built(source: str, stage: str, entry: str, targets: tuple[str, ...]) -> tuple[str, dict[str, bytes]]:
-    """Return what the compiler says and its code for each target; no code where it refuses one of them."""
+    """Return the compiler's messages and its code for each target; no code if any target was rejected."""
     library, session = load()
     request = ctypes.c_void_p(library.spCreateCompileRequest(session))
     try:
@@ -103,10 +103,10 @@ def _built(source: str, stage: str, entry: str, targets: tuple[str, ...]) -> tup
 
 
 def _code(library: ctypes.CDLL, request: ctypes.c_void_p, index: int) -> bytes:
-    """Return the code for target number `index`; empty where there is none."""
+    """Return the code for target number `index`, or b"" if there is none."""
     blob, number = ctypes.c_void_p(), ctypes.c_int(index)
     library.spGetTargetCodeBlob(request, number, ctypes.byref(blob))
-    if not blob:  # GLSL is made for each entry point by itself
+    if not blob:  # GLSL is generated per entry point
         library.spGetEntryPointCodeBlob(request, ctypes.c_int(0), number, ctypes.byref(blob))
     if not blob:
         return b""
@@ -121,7 +121,7 @@ def _code(library: ctypes.CDLL, request: ctypes.c_void_p, index: int) -> bytes:
 
 
 def without_source_language(module: bytes) -> bytes:
-    """Return SPIR-V that says HLSL where it says Slang: validators older than Slang's number refuse that."""
+    """Return SPIR-V whose source language is HLSL instead of Slang, a number that older validators reject."""
     words = list(struct.unpack(f"<{len(module) // 4}I", module))
     at = 5
     while at < len(words):

@@ -1,4 +1,4 @@
-"""What a compiler says of a shader; compilers on the command line, run with a time limit."""
+"""Hold a compiler's result, and run command-line compilers with a time limit."""
 
 import os
 import signal
@@ -11,15 +11,15 @@ from pathlib import Path
 
 from bokeh_validation import process
 
-# Where wheels put compilers of Khronos, with the libraries of these beside them
+# Where wheels install Khronos's compilers, next to the compilers' libraries
 WHEELS = Path(sysconfig.get_path("purelib"), "cmeel.prefix")
 
-TIMEOUT = 30.0  # seconds; what runs here takes 0.05
+TIMEOUT = 30.0  # seconds; these compilers take 0.05
 
 
 @dataclass(frozen=True)
 class CompileResult:
-    """Outcome of one compilation; `facts` holds what the compiler says of its output (slots)."""
+    """Hold the outcome of one compilation; `facts` are counts that the compiler reports, such as slots."""
 
     ok: bool
     messages: str = ""
@@ -28,29 +28,33 @@ class CompileResult:
 
 
 def accepted(messages: str, binary: bytes = b"", facts: Mapping[str, int] | None = None) -> CompileResult:
-    """A result that is ok. What was printed all the same are warnings."""
+    """Return a successful result; its messages are warnings."""
     return CompileResult(True, messages.strip(), binary, dict(facts or {}))
 
 
 def refused(messages: str) -> CompileResult:
-    """A result that is not ok."""
+    """Return a failed result."""
     return CompileResult(False, messages.strip() or "refused without a message")
 
 
 @dataclass(frozen=True)
 class Tool:
-    """A compiler on the command line. `install` is the command that does, `option` makes it print its version."""
+    """Describe a command-line compiler.
+
+    install  the command that installs it
+    option   makes it print its version
+    """
 
     name: str
     install: str
     option: str = "--version"
 
     def version(self) -> str:
-        """The first line that it prints of itself. Raises Unavailable."""
+        """Return the first line of the version that it prints. Raises Unavailable."""
         return self.run([self.option]).messages.partition("\n")[0]
 
     def _found(self) -> tuple[str, dict[str, str]]:
-        """The program and its environment: from a wheel of the lock file, else on PATH. Raises Unavailable."""
+        """Return the program and its environment: from a wheel of the lock file, else from PATH. Raises Unavailable."""
         program = WHEELS / "bin" / self.name
         if not program.is_file():
             return process.find(self.name, self.install), dict(os.environ)
@@ -60,9 +64,9 @@ class Tool:
     def run(
         self, arguments: Sequence[str], inputs: Mapping[str, bytes] | None = None, output: str = ""
     ) -> CompileResult:
-        """What it says when it runs in a temporary folder of its own, and the file `output` if it is to write one.
+        """Run it in a temporary folder and return its messages, and the file `output` if it is to write one.
 
-        inputs  files to write there before, by name; arguments name them without a path, and so do the messages
+        inputs  files to put there first, by name; arguments and messages name them without a path
 
         After a crash or a hang the messages begin with a line that says so. Raises Unavailable.
         """
@@ -94,6 +98,6 @@ class Tool:
 
 
 def _text(output: bytes, names: Collection[str]) -> str:
-    """Output without blank lines and without the lines that only name an input, which glslang prints every time."""
+    """Return the output without blank lines, and without lines that only name an input, which glslang always prints."""
     lines = output.decode("utf-8", "replace").splitlines()
     return "\n".join(line.rstrip() for line in lines if line.strip() and line.strip() not in names)

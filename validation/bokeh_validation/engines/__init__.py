@@ -1,4 +1,4 @@
-"""The engine samples of integration/, run with their own colour and depth and compared with the reference.
+"""Run the engine samples of integration/ on their own colour and depth, and compare them with the reference.
 
 tests/engines/test_engines.py runs them.
 """
@@ -18,9 +18,9 @@ from bokeh_validation.probes.outcomes import Outcome, Panel, Run, panel
 
 __all__ = ["ENGINES", "Broken", "Capture", "judged", "read", "run"]
 
-# Sample of integration/, which is what `validation/run engines` takes -> what builds it and runs it, headless: called
-# with its name and a folder to leave its capture in. It raises errors.Unavailable, with the install line, where the
-# engine is absent, and RuntimeError with what the engine said.
+# Sample of integration/, as named for `validation/run engines` -> the function that builds it and runs it without a
+# window: called with its name and a folder for its capture. It raises errors.Unavailable, with the install line, if
+# the engine is missing, and RuntimeError with the engine's messages.
 ENGINES: dict[str, Callable[[str, Path], None]] = {
     **dict.fromkeys(("opengl", "panda3d", "raylib", "love", "ogre", "jmonkeyengine"), desktop.run),
     **dict.fromkeys(pages.NAMES, pages.run),
@@ -31,21 +31,23 @@ ENGINES: dict[str, Callable[[str, Path], None]] = {
     wgpu.NAME: wgpu.run,
     bevy.NAME: bevy.run,
 }
-# Left out unless they are asked for: the first build takes many minutes
+# Run only on request, since their first build takes many minutes
 SLOW = (bevy.NAME,)
 
 
 def run(name: str) -> Capture:
-    """Build, run and compare one sample. Raises errors.Unavailable, RuntimeError with what the engine said, Broken."""
+    """Build, run and compare one sample. Raises errors.Unavailable, RuntimeError with the engine's messages, Broken."""
     target = paths.cache_folder() / "engines" / name / "capture"
-    # what an earlier run left must not pass for this one's
+    # an earlier run's capture must not be taken for this one's
     shutil.rmtree(target, ignore_errors=True)
     ENGINES[name](name, paths.ensured(target))
     return read(target)
 
 
 def judged(name: str) -> tuple[Outcome, Capture | None]:
-    """Build and run a sample, and judge what it drew; None where the engine is missing or the sample failed."""
+    """Build and run a sample, and judge what it drew; the capture is None if the engine is missing or the sample
+    failed.
+    """
     try:
         capture = run(name)
     except Unavailable as error:
@@ -57,7 +59,7 @@ def judged(name: str) -> tuple[Outcome, Capture | None]:
 
 
 def of_capture(name: str, capture: Capture) -> Outcome:
-    """An engine's own colour, and beside each result what the reference makes of the same."""
+    """Judge a capture, with images of the engine's colour, and of each result next to the reference's."""
     panels = []
     for shot in capture.shots:
         source, expected = (pictures.display(image, tone_map=True) for image in (shot.case.color, shot.expected.value))

@@ -1,6 +1,6 @@
-"""integration/bevy: built by Cargo from a copy in the cache folder, run without a window on lavapipe.
+"""Run integration/bevy: build a copy in the cache folder with Cargo and run it without a window on lavapipe.
 
-The first build compiles Bevy: about 15 minutes on two cores and 1.5 GB. Later ones take seconds.
+The first build compiles Bevy, which takes about 15 minutes on two cores and 1.5 GB. Later ones take seconds.
 """
 
 from pathlib import Path
@@ -10,11 +10,11 @@ from bokeh_validation.engines import cargo, lavapipe
 
 NAME = "bevy"
 EXAMPLE = "scene"
-RUN_S = 300.0  # takes 10 to 30 s on two cores
+RUN_S = 300.0  # seconds; it takes 10 to 30 on two cores
 
 
 def run(name: str, folder: Path) -> None:
-    """Leave the capture of the sample in `folder`. Raises errors.Unavailable, RuntimeError."""
+    """Run the sample, which writes its capture to `folder`. Raises errors.Unavailable, RuntimeError."""
     icd = lavapipe.description()
     cargo.build(NAME, cargo.copied(NAME), "--example", EXAMPLE)
     extra = {"VK_ICD_FILENAMES": str(icd), "BEVY_ASSET_ROOT": str(folder)}
@@ -22,5 +22,5 @@ def run(name: str, folder: Path) -> None:
 
 
 def built() -> bool:
-    """Whether there has been a build here, so that the next takes seconds."""
+    """Return whether it was built here before, so that the next build takes seconds."""
     return cargo.program(NAME, EXAMPLE).exists()

@@ -1,10 +1,10 @@
-"""What a sample leaves in a folder: the engine's colour and depth, and its results, as the shaders saw them.
+"""Read what a sample leaves in a folder: the engine's colour and depth and its results, as the shaders saw them.
 
-capture.json beside raw little-endian files, rows from v = 0 (the first row in memory) on:
+capture.json is next to raw little-endian files, whose rows start at v = 0 (the first row in memory):
 
     {"engine": "three.js 0.187, WebGL 2", "device": "SwiftShader ...", "width": 320, "height": 240,
      "color": "color.f16",            (H, W, 4) float16: what the CoC map reads
-     "depth": "depth.f32",            (H, W) float32: metres, or what the engine's depth buffer holds, where there is
+     "depth": "depth.f32",            (H, W) float32: metres, or the engine's depth buffer, as "stored" says
      "stored": {"kind": 1, "near": 0.1, "far": 100.0},
                                       how BokehSignedCoCMap reads it; left out, or null, for paper
      "camera": {"aperture_diameter": 0.05, "focal_length": 0.05, "focus_distance": 5.0, "sensor_height": 0.024,
@@ -12,19 +12,20 @@ capture.json beside raw little-endian files, rows from v = 0 (the first row in m
      "shots": [{"name": "exact-hexagon", "method": "exact", "aperture": "hexagon", "result": "exact-hexagon.f16",
                 "targets": true}, ...]}
 
-Keys of a shot beside name and result are fields of methods.Settings; what is left out has its default there. Each shot
-may have a camera, color, depth and stored of its own in place of the common ones.
+All keys of a shot except name and result are fields of methods.Settings; fields that are left out have their defaults.
+A shot may have its own camera, color, depth and stored, which override the common ones.
 
-"pull" is the autofocus, for the tests:
+"pull" records the autofocus, for the tests:
 
     "pull": {"frame": 0.0333, "seconds": 0.2, "from": metres, "points": [[u, v, metres], ...], "distances": [...]}
 
-its time constant, what it found under points of the screen ("depths" alone where it has places of the world), the focus
-distance before and after each frame.
+frame is the duration of a frame and seconds the time constant; points are positions on the screen with the depth found
+there ("depths" alone if the sample focuses on positions in the world); from is the focus distance before the first
+frame (else the camera's), distances those after each frame.
 
 A layered shot has "written": "layered-hexagon.written", a file of all targets that its passes wrote, (h, w, 4) float16
-each, as docs/reference/passes.md lists them. It is compared pass by pass, each with what the device had in the pass's
-inputs: a sample can't be asked to draw one pass of a frame.
+each, in the order of docs/reference/passes.md. It is compared pass by pass, each with the device's own inputs, because
+a sample cannot be asked to draw a single pass of a frame.
 """
 
 import json
@@ -48,18 +49,18 @@ _SETTINGS = {item.name for item in fields(methods.Settings)} - {"camera"}
 
 
 class Broken(Exception):
-    """A capture that is not one: what is wrong, in one line."""
+    """Raised for an invalid capture: what is wrong, in one line."""
 
 
 @dataclass(frozen=True)
 class Shot:
-    """One result, with what went in.
+    """Hold one result with its inputs.
 
     case        its depth is in metres
     result      (H, W, 4) float16
     expected    the reference's, with its interval
-    comparison  how far the result is from it; `outside` counts those of all targets
-    outside     of a layered shot, the targets that are not within their intervals, each with its number of pixels
+    comparison  of the result with the reference; its `outside` includes the pixels of all targets
+    outside     for a layered shot: target -> number of pixels outside its interval, where there are any
     """
 
     name: str
@@ -72,7 +73,7 @@ class Shot:
 
 @dataclass(frozen=True)
 class Capture:
-    """A sample's run."""
+    """Hold the results of a sample's run."""
 
     engine: str
     device: str
@@ -107,8 +108,8 @@ def _shot(folder: Path, data: dict, shot: dict) -> Shot:
     outputs["result"] = result
     textures = case.textures() | {"depth": depth}
     passes = [_of_buffer(item, **stored) for item in case.plan.passes]
-    # Engines do not say how their targets round: the one that fits counts. Mesa's cut off, the others here round to
-    # nearest: the likely one is tried first.
+    # Engines do not say how their targets round, so the rounding that fits is used. Mesa's targets truncate, all
+    # others here round to nearest; the likely one is tried first.
     roundings = ("zero", "nearest") if software_device(data["device"]) == "Mesa" else ("nearest", "zero")
     attempts = []
     for rounding in roundings:
@@ -121,7 +122,7 @@ def _shot(folder: Path, data: dict, shot: dict) -> Shot:
 
 
 def _of_buffer(item: Pass, kind: int, near: float, far: float) -> Pass:
-    """A pass told what the depth buffer holds, where it reads that."""
+    """Return a pass with the parameters that describe the depth buffer, if it reads that."""
     if item.entry != plan.SIGNED_MAP:
         return item
     told = {"BokehDepthKind": float(kind), "BokehNear": near, "BokehFar": far}
@@ -137,10 +138,10 @@ def _compared(
     precision: Precision,
     rounding: str,
 ) -> Shot:
-    # layered pass by pass, from what the device had
+    # layered is compared pass by pass, from the device's own inputs
     given = outputs if case.settings.method == "layered" else None
     reference = pass_images.images(passes, textures, case.size, "half", precision, rounding, given=given)
-    # by the interval alone: a scene of hard edges leaves more comparisons open than the bounds in steps allow for
+    # only the interval applies: in a scene with hard edges more comparisons are open than the bounds in steps allow
     comparisons = {key: metrics.compare(pixels, reference[key], False) for key, pixels in outputs.items()}
     outside = {key: comparison.outside for key, comparison in comparisons.items() if comparison.outside}
     whole = replace(comparisons["result"], outside=sum(outside.values()))
@@ -148,7 +149,7 @@ def _compared(
 
 
 def _written(path: Path, case: Case) -> dict[str, np.ndarray]:
-    """Name -> pixels of all targets of a layered shot. Raises Broken."""
+    """Read name -> pixels of all targets of a layered shot. Raises Broken."""
     shapes = {k: (*target_size(item.scale, case.size)[::-1], 4) for item in case.plan.passes for k in item.outputs}
     ends = np.cumsum([prod(shape) for shape in shapes.values()])
     pieces = np.split(_pixels(path, np.float16, (ends[-1],)), ends[:-1])

@@ -1,4 +1,4 @@
-"""Crates of integration/, built by Cargo from a copy in the cache folder."""
+"""Build crates of integration/ with Cargo, from copies in the cache folder."""
 
 import filecmp
 import os
@@ -10,39 +10,42 @@ from pathlib import Path
 from bokeh_validation import locks, needs, paths, process
 from bokeh_validation.errors import Unavailable
 
-# What Bevy 0.20 asks for
+# Minimum version that Bevy 0.20 requires
 RUST = (1, 97, 1)
 VERSION = ".".join(map(str, RUST))
 INSTALL_RUST = f"install Rust {VERSION} or later: {needs.install('cargo')}, or rustup toolchain install {VERSION}"
 BUILD_S = 3600.0
 VERSION_S = 60.0
-TOOLCHAIN_S = 900.0  # takes half a minute
+TOOLCHAIN_S = 900.0  # seconds; it takes half a minute
 
 
 def build(
     name: str, project: Path, *arguments: str, command: str = "build", extra: Mapping[str, str] | None = None
 ) -> str:
-    """Run a command of Cargo on a project that uses the crate of a sample; all such share a folder of what is built.
+    """Run a Cargo command on a project that uses a sample's crate; all of them share one target folder per sample.
 
-    `extra` adds to the environment. What it said comes back. Raises errors.Unavailable, RuntimeError.
+    name     of the sample
+    project  folder of the project
+    extra    additional environment variables
+    Returns Cargo's output. Raises errors.Unavailable, RuntimeError.
     """
-    # downloads go to the user's place for them, if there is one; all else to the cache folder
+    # downloads go to the user's Cargo folder if there is one; everything else goes to the cache folder
     downloads = Path(os.environ.get("CARGO_HOME") or Path.home() / ".cargo")
     downloads = downloads if downloads.is_dir() else paths.ensured(_home(name) / "cargo")
     own = {"CARGO_TARGET_DIR": str(_home(name) / "target"), "CARGO_HOME": str(downloads)}
-    # the crate's own profile, so that its dependencies are built once
+    # the same settings for every build, so that dependencies are built once
     own |= {"CARGO_PROFILE_DEV_DEBUG": "0", "CARGO_INCREMENTAL": "0", "CARGO_TERM_COLOR": "never"}
     cargo, chosen = _cargo()
     return process.run([*cargo, command, "--quiet", *arguments], BUILD_S, project, {**own, **chosen, **(extra or {})})
 
 
 def program(name: str, example: str) -> Path:
-    """Where an example of a crate is built to."""
+    """Return the path of a crate's built example."""
     return _home(name) / "target/debug/examples" / example
 
 
 def copied(name: str) -> Path:
-    """The crate's folder, alone; Cargo.lock stays in it."""
+    """Copy a crate's folder to the cache folder and return the copy; a Cargo.lock there is kept."""
     target = _home(name) / "source/integration" / name
     own = shutil.ignore_patterns("target", "Cargo.lock")
     shutil.copytree(
@@ -56,15 +59,15 @@ def _home(name: str) -> Path:
 
 
 def _copy_changed(source: str, target: str) -> None:
-    """What is the same keeps its time: Cargo goes by it."""
+    """Copy a file unless it is unchanged: Cargo rebuilds by modification times."""
     if not os.path.exists(target) or not filecmp.cmp(source, target, shallow=False):
         shutil.copyfile(source, target)
 
 
 def _cargo() -> tuple[list[str], dict[str, str]]:
-    """Cargo with a compiler that is new enough, and what it wants in its environment. Raises errors.Unavailable.
+    """Return the command of a recent enough Cargo, and environment variables for it. Raises errors.Unavailable.
 
-    Where the user's is older and there is rustup, it fetches one into the cache folder.
+    If the user's Cargo is older and there is rustup, rustup installs a toolchain into the cache folder.
     """
     places = os.pathsep.join((os.environ.get("PATH", ""), str(Path.home() / ".cargo/bin")))
     cargo, rustup = (shutil.which(name, path=places) for name in ("cargo", "rustup"))

@@ -1,5 +1,6 @@
-"""Samples that are programs on this machine's OpenGL: in Python, Lua, C++ and Java. Most of them need a window, which
-nobody sees.
+"""Run the samples that are programs on this machine's OpenGL: in Python, Lua, C++ and Java.
+
+Most of them need a window; it is opened on a virtual display.
 """
 
 import shlex
@@ -15,28 +16,29 @@ SAMPLES = paths.ROOT / "integration"
 SECONDS, INSTALL_SECONDS = 120, 400  # on two cores a sample takes 5
 WINDOW = ("raylib", "love", "ogre", "jmonkeyengine")
 
-# For a shell in the sample's folder; ' -o PROGRAM' is added. It takes 4 s of one core.
+# Run by a shell in the sample's folder; ' -o PROGRAM' is appended. It takes 4 s of one core.
 BUILD_OGRE = (
     "g++ -std=c++17 -O1 -Wall sample.cpp $(pkg-config --cflags --libs OGRE) "
     '-DOGRE_PLUGINS="\\"$(pkg-config --variable=plugindir OGRE)\\""'
 )
 OGRE = needs.install("ogre")
-# Ivy fetches the jars once; it gets by with a fifteenth of what Maven brings along
+# Ivy downloads the jars once; it needs a fifteenth of the packages that Maven does
 IVY = "/usr/share/java/ivy.jar"
 JAVA = needs.install("java")
-# A runtime has the compiler as a module, though not as a command
+# A Java runtime has the compiler as a module, though not as a command
 JAVAC = ("-m", "jdk.compiler/com.sun.tools.javac.Main", "-Xlint:all", "-Werror")
 
 
 def run(name: str, folder: Path) -> None:
-    """Leave the capture of a sample in `folder`. Raises errors.Unavailable, RuntimeError."""
+    """Run a sample, which writes its capture to `folder`. Raises errors.Unavailable, RuntimeError."""
     process.run([*command(name, capture=True), folder], SECONDS, SAMPLES / name)
 
 
 def command(name: str, capture: bool = False) -> list[str | Path]:
-    """What runs a sample in its folder, before the picture or the folder of the capture that it is to make.
+    """Return the command that runs a sample in its folder, without its last argument: an image, or the folder of the
+    capture.
 
-    Raises errors.Unavailable, also where there is no OpenGL 3.3, RuntimeError.
+    Raises errors.Unavailable, also if there is no OpenGL 3.3, and RuntimeError.
     """
     gl.EGL().context.release()
     window = []
@@ -51,7 +53,7 @@ def command(name: str, capture: bool = False) -> list[str | Path]:
 
 
 def python(name: str) -> Path:
-    """Python with the packages that a sample's requirements.txt pins, if it has one. Raises Unavailable."""
+    """Return a Python with the packages of a sample's requirements.txt, if it has one. Raises Unavailable."""
     requirements = SAMPLES / name / "requirements.txt"
     if not requirements.exists():
         return Path(sys.executable)
@@ -66,7 +68,7 @@ def python(name: str) -> Path:
 
 
 def built(name: str, what: str, ingredients: list[str | Path], build) -> Path:
-    """See locks.built_once(). Raises Unavailable where it cannot be fetched or built."""
+    """Call locks.built_once() for a part of a sample. Raises Unavailable if it cannot be downloaded or built."""
     try:
         return locks.built_once(f"engines/{name}/{what}", ingredients, build)
     except RuntimeError as error:
@@ -74,7 +76,7 @@ def built(name: str, what: str, ingredients: list[str | Path], build) -> Path:
 
 
 def _ogre() -> Path:
-    """The program, built if a source has changed."""
+    """Return Ogre's sample program, rebuilt if a source has changed."""
     sample = SAMPLES / "ogre"
 
     def build(folder: Path) -> None:
@@ -89,7 +91,9 @@ def _ogre() -> Path:
 
 
 def _java() -> list[str]:
-    """Java with the sample's classes, compiled if a source has changed, and the jars of its ivy.xml."""
+    """Return the Java command with the sample's classes, recompiled if a source has changed, and the jars of its
+    ivy.xml.
+    """
     java, sample = find("java", JAVA), SAMPLES / "jmonkeyengine"
     description, sums, sources = sample / "ivy.xml", sample / "jars.sha256", sorted(sample.glob("*.java"))
     cache = paths.ensured(paths.cache_folder() / "engines" / "jmonkeyengine")

@@ -1,7 +1,7 @@
-"""integration/direct3d9 and direct3d11: built with mingw-w64, run under Wine.
+"""Build integration/direct3d9 and direct3d11 with mingw-w64 and run them under Wine.
 
-The samples compile their shaders themselves, with d3dcompiler_47.dll. Windows has it; our Wine has
-Microsoft's own, since it is the compiler that users have.
+The samples compile their shaders at run time with d3dcompiler_47.dll. Windows includes it; this Wine prefix has
+Microsoft's own DLL, because it is the compiler that users have.
 """
 
 import json
@@ -14,11 +14,11 @@ from bokeh_validation import paths, pictures, process
 from bokeh_validation.windows import programs, wine
 
 SAMPLES = paths.ROOT / "integration"
-# Both samples draw the scene and write the files of this one
+# Both samples draw the scene, and write the files, of this one
 SHARED = SAMPLES / "direct3d9"
-RUN_S = 300.0  # takes 5 to 10 s on two cores
+RUN_S = 300.0  # seconds; it takes 5 to 10 on two cores
 
-# The command that builds each, in its folder; '-o PROGRAM' is added
+# Commands that build the samples in their folders; '-o PROGRAM' is appended
 BUILDS = {
     "direct3d9": (
         "x86_64-w64-mingw32-gcc", "-std=c11", "-O2", "-Wall", "-static", "main.c", "-ld3d9", "-ld3dcompiler_47",
@@ -31,14 +31,14 @@ BUILDS = {
 
 
 def run(name: str, folder: Path) -> None:
-    """Build the sample `name` and have it leave its capture, and picture.png, in `folder`.
+    """Build the sample `name` and run it, which writes its capture and picture.png to `folder`.
 
     Raises errors.Unavailable, with the install line, without a compiler, Wine or a display, and RuntimeError.
     """
     program, owner = build(name), wine.get()
-    # Wine's Z: is the root of the file system
+    # Wine's drive Z: is the root of the file system
     process.run(owner.command(program, f"Z:{folder}"), RUN_S, SAMPLES / name, owner.environment)
-    # the sample can only tell the card that Wine imitates
+    # the sample itself only sees the graphics card that Wine imitates
     capture = folder / "capture.json"
     capture.write_text(json.dumps(json.loads(capture.read_text()) | {"device": owner.device}))
     with Image.open(folder / "picture.bmp") as picture:
@@ -46,11 +46,11 @@ def run(name: str, folder: Path) -> None:
 
 
 def build(name: str) -> Path:
-    """NAME.exe in the cache folder, built anew when a source or the command has changed: see programs.compiled()."""
+    """Return NAME.exe in the cache folder, rebuilt if a source or the command has changed; see programs.compiled()."""
     return programs.compiled(name, BUILDS[name], sources(name), SAMPLES / name)
 
 
 def sources(name: str) -> list[Path]:
-    """The files of a sample that are compiled, those that it shares too, without the package's own."""
+    """Return the sources that a sample compiles, shared ones included, without the package's own."""
     files = [*(SAMPLES / name).iterdir(), *SHARED.glob("*.h"), *(SAMPLES / "parameters").glob("*.h")]
     return sorted({file for file in files if file.suffix in (".c", ".cpp", ".h", ".hlsl")})

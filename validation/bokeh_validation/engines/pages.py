@@ -1,8 +1,8 @@
-"""Samples for the web (integration/threejs and others) in headless Chromium, WebGL 2 and WebGPU.
+"""Run the web samples (integration/threejs and others) in headless Chromium, on WebGL 2 and WebGPU.
 
-'threejs-webgl' is webgl.html of integration/threejs; capture.js beside it makes the captures. The page sees the
-repository as it is, and node_modules from the cache folder. Nothing listens on a port: every request of the page is
-answered from here.
+'threejs-webgl' is webgl.html of integration/threejs; capture.js next to it makes the captures. The page sees the
+repository as it is, and node_modules from the cache folder. Nothing listens on a port: this process answers every
+request of the page.
 """
 
 import base64
@@ -19,11 +19,11 @@ NAMES = tuple(f"{engine}-{kind}" for engine in ("threejs", "babylonjs", "playcan
 INSTALL = needs.install("npm")
 OLDEST_NODE = (20, 19)
 INSTALL_LIMIT = 300.0  # seconds; it takes 2 to 5
-RUN_LIMIT = 240.0  # it takes 10 on two cores
+RUN_LIMIT = 240.0  # seconds; it takes 10 on two cores
 
-# without them Chromium's software device dies as soon as WebGPU draws onto a canvas
+# without these flags Chromium's software device fails as soon as WebGPU draws to a canvas
 CANVAS = ("--enable-features=Vulkan", "--use-vulkan=swiftshader")
-# The sample's page knows nothing of captures: capture.js comes in when one of its functions is asked for.
+# The sample's page has no code for captures: capture.js is imported when one of its functions is called.
 SCRIPT = """
 const asked = (name) => async (argument) => (await import("/integration/%s/capture.js"))[name](argument);
 window.bokeh = new Proxy({}, { get: (_, name) => asked(name) });
@@ -31,17 +31,17 @@ window.bokeh = new Proxy({}, { get: (_, name) => asked(name) });
 
 
 def run(name: str, folder: Path, project: Path | None = None) -> None:
-    """Run 'threejs-webgl', for one, and leave its capture and picture.png in `folder`.
+    """Run a sample such as 'threejs-webgl', which leaves its capture and picture.png in `folder`.
 
-    project   see opened()
-    Raises Unavailable where npm or Chromium is missing, RuntimeError with what the engine or the browser said.
+    project  see opened()
+    Raises Unavailable if npm or Chromium is missing, RuntimeError with the messages of the engine or the browser.
     """
     with opened(name, project) as sample:
         leave(sample, folder, name.partition("-")[2])
 
 
 def leave(sample: browser.Session, folder: Path, kind: str = "") -> None:
-    """The sample's capture, put into `folder`. Raises RuntimeError."""
+    """Make a capture of the open sample and write it to `folder`. Raises RuntimeError."""
     captured = sample.call("capture", kind)
     for file, data in captured["files"].items():
         (folder / file).write_bytes(base64.b64decode(data))
@@ -49,9 +49,10 @@ def leave(sample: browser.Session, folder: Path, kind: str = "") -> None:
 
 
 def opened(name: str, project: Path | None = None) -> browser.Session:
-    """The page of a sample, running; its functions are those that capture.js exports. Raises Unavailable.
+    """Open the page of a sample; the session's functions are those that capture.js exports. Raises Unavailable.
 
-    project   folder that has integration/, with node_modules in the sample; else the checkout, and the cache folder's
+    project  folder that contains integration/, with node_modules in the sample; None: the checkout, with node_modules
+    in the cache folder
     """
     engine, _, kind = name.partition("-")
     root = project or paths.ROOT
@@ -63,12 +64,12 @@ def opened(name: str, project: Path | None = None) -> browser.Session:
 
 
 def shown(address: str, places: browser.Places, script: str, flags: tuple[str, ...] = ()) -> browser.Session:
-    """A page of a sample, as browser.Session takes it; in no hurry."""
+    """Open a page of a sample with a generous time limit; arguments as for browser.Session."""
     return browser.Session(address, places, script, flags=flags, limit=RUN_LIMIT)
 
 
 def installed(source: Path) -> Path:
-    """node_modules with what a folder's package-lock.json pins, installed on first use.
+    """Return node_modules with the packages pinned in a folder's package-lock.json, installed on first use.
 
     Raises Unavailable, RuntimeError.
     """
@@ -83,9 +84,10 @@ def installed(source: Path) -> Path:
 
 
 def copied(project: Path, repository: Path, beside: Iterable[Path] = ()) -> Path:
-    """Copy a web project, and what it reads beside it, to where they are in a repository; install its packages there.
+    """Copy a web project, and the folders that it reads, to the same places in another repository, and install its
+    packages.
 
-    Returns the project's folder. Raises Unavailable where npm is missing.
+    Returns the project's folder there. Raises Unavailable if npm is missing.
     """
     for folder in (project, *beside):
         local = shutil.ignore_patterns("node_modules", "data", "dist")
@@ -95,14 +97,14 @@ def copied(project: Path, repository: Path, beside: Iterable[Path] = ()) -> Path
 
 
 def check_node() -> None:
-    """Refuse a Node.js that Vite does not run on. Raises Unavailable."""
+    """Check that Node.js is recent enough for Vite. Raises Unavailable otherwise."""
     said = process.run([find("node", INSTALL), "--version"], INSTALL_LIMIT).strip()
     if tuple(map(int, said.removeprefix("v").split(".")[:2])) < OLDEST_NODE:
         raise Unavailable(f"Node.js is {said}; Vite needs {'.'.join(map(str, OLDEST_NODE))} or later")
 
 
 def call_npm(folder: Path, *command: str | Path) -> None:
-    """Have npm install in a folder: its scripts are not run. Raises Unavailable, RuntimeError."""
+    """Run an npm command in a folder without running packages' scripts. Raises Unavailable, RuntimeError."""
     npm = find("npm", INSTALL)
     options = ("--ignore-scripts", "--no-audit", "--no-fund", "--no-update-notifier", "--loglevel=error")
     cache = str(paths.cache_folder() / "npm")

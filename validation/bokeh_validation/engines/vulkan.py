@@ -1,6 +1,7 @@
-"""integration/vulkan: built with g++, run on lavapipe under the validation layers, its shaders from GLSL and from HLSL.
+"""Build integration/vulkan with g++ and run it on lavapipe under the validation layers, with shaders from GLSL and
+from HLSL.
 
-It draws no scene: it is handed a ray-traced one, as colour and depth buffer.
+It has no scene: it reads a ray-traced one as colour and depth buffer.
 """
 
 import json
@@ -18,14 +19,14 @@ from bokeh_validation.errors import Unavailable
 
 SAMPLE = paths.ROOT / "integration/vulkan"
 NAMES = ("vulkan-glsl", "vulkan-hlsl")
-BUILD = "g++ -std=c++20 -O1 -Wall sample.cpp -lvulkan"  # in its folder; ' -o PROGRAM' is added. 10 s of one core
+BUILD = "g++ -std=c++20 -O1 -Wall sample.cpp -lvulkan"  # in its folder; ' -o PROGRAM' is appended. 10 s of one core
 INSTALL = needs.install("vulkan-sdk")
 LAYERS = Path("/usr/share/vulkan/explicit_layer.d/VkLayer_khronos_validation.json")
 CHECKS = {
     "VK_INSTANCE_LAYERS": "VK_LAYER_KHRONOS_validation",
     "VK_LAYER_ENABLES": "VK_VALIDATION_FEATURE_ENABLE_SYNCHRONIZATION_VALIDATION_EXT",
 }
-SECONDS = 120.0  # takes 5
+SECONDS = 120.0  # it takes 5
 SHOTS = [
     {"name": name, "method": method, "aperture": aperture, "result": f"{name}.f16", "written": f"{name}.written"}
     for name in ("layered-hexagon", "layered-octagon", "exact-hexagon", "exact-octagon")
@@ -34,9 +35,9 @@ SHOTS = [
 
 
 def run(name: str, folder: Path) -> None:
-    """Leave the capture of a sample, and picture.png, in `folder`.
+    """Run a sample, which writes its capture and picture.png to `folder`.
 
-    Raises errors.Unavailable, RuntimeError, also where the validation layers say anything.
+    Raises errors.Unavailable, and RuntimeError, also if the validation layers report anything.
     """
     if not LAYERS.exists():
         raise Unavailable(f"no validation layers; {INSTALL}")
@@ -45,7 +46,7 @@ def run(name: str, folder: Path) -> None:
     environment = {"VK_ICD_FILENAMES": str(lavapipe.description()), "PATH": commands, **CHECKS}
     for shot in SHOTS:
         said = process.run([_program(), language, shot["name"], folder], SECONDS, SAMPLE, environment).splitlines()
-        if len(said) != 1:  # of the device
+        if len(said) != 1:  # the only line is the device
             raise RuntimeError("\n".join(said))
     capture = {"engine": name, "device": said[0], "shots": SHOTS, **scene}
     (folder / "capture.json").write_text(json.dumps(capture), encoding="utf-8")
@@ -55,7 +56,7 @@ def run(name: str, folder: Path) -> None:
 
 
 def _program() -> Path:
-    """Built if a source has changed."""
+    """Return the sample's program, rebuilt if a source has changed."""
     sources = [*sorted(SAMPLE.glob("*.[hc]*")), paths.ROOT / "integration/parameters/BokehParameters.h"]
 
     def build(folder: Path) -> None:
@@ -66,7 +67,7 @@ def _program() -> Path:
 
 
 def _dxc() -> Path:
-    """A folder with a command `dxc`, which Debian lacks. Raises Unavailable."""
+    """Return a folder with a command `dxc`, which Debian does not package. Raises Unavailable."""
     dxc.fetch()
     code = "import sys; from bokeh_validation.compilers import dxc; sys.exit(dxc.command(sys.argv[1:]))"
     script = f"#!/bin/sh\nPYTHONPATH={shlex.quote(str(paths.VALIDATION))} exec {sys.executable} -P -c '{code}' \"$@\"\n"

@@ -1,4 +1,4 @@
-"""integration/wgpu: built by Cargo from a copy in the cache folder, run on lavapipe on a scene that it is handed.
+"""Build integration/wgpu from a copy in the cache folder with Cargo and run it on lavapipe, on a ray-traced scene.
 
 The first build compiles wgpu: two minutes on two cores. Later ones take seconds.
 """
@@ -13,11 +13,11 @@ from bokeh_validation.engines import cargo, lavapipe
 
 NAME = "wgpu"
 EXAMPLE = "capture"
-RUN_S = 120.0  # takes 5
+RUN_S = 120.0  # seconds; it takes 5
 
 
 def run(name: str, folder: Path) -> None:
-    """Leave the capture of the sample, and picture.png, in `folder`. Raises errors.Unavailable, RuntimeError."""
+    """Run the sample, which writes its capture and picture.png to `folder`. Raises errors.Unavailable, RuntimeError."""
     scene = lavapipe.write_scene(folder)
     cargo.build(NAME, cargo.copied(NAME), "--example", EXAMPLE)
     process.run([cargo.program(NAME, EXAMPLE), folder], RUN_S, folder, environment())
@@ -26,11 +26,13 @@ def run(name: str, folder: Path) -> None:
 
 
 def environment() -> dict[str, str]:
-    """What a program of wgpu needs to run on lavapipe without a word on standard error. Raises errors.Unavailable."""
+    """Return the environment in which wgpu runs on lavapipe without messages on standard error. Raises
+    errors.Unavailable.
+    """
     return {"VK_ICD_FILENAMES": str(lavapipe.description()), "XDG_RUNTIME_DIR": "/tmp"}
 
 
 def _shown(folder: Path) -> list[str]:
-    """The files of the input and of the first result."""
+    """Return the files of the input and of the first result."""
     capture = json.loads((folder / "capture.json").read_text(encoding="utf-8"))
     return [capture["color"], capture["shots"][0]["result"]]

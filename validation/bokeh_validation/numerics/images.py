@@ -1,4 +1,4 @@
-"""A texture of the reference, with how far a correct device may be from it, and how a render target stores it."""
+"""Hold a texture of the reference with how far a correct device may be from it, and model how a target stores it."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -6,17 +6,17 @@ from dataclasses import dataclass
 import numpy as np
 
 Textures = Mapping[str, np.ndarray]
-# What targets are made of
+# Formats of targets
 STORAGE = {"half": np.float16, "float": np.float32}
 
 
 @dataclass(frozen=True)
 class Image:
-    """A texture and how far each value may be off.
+    """Hold a texture and how far each value may be off.
 
     value      (H, W, 4) float64
-    error      (H, W, 4), or None where no precision was asked for
-    undecided  (H, W) bool: one of Listing 3's comparisons is within its error, here or in the pass before
+    error      (H, W, 4); None if no precision was given
+    undecided  (H, W) bool: one of Listing 3's comparisons is within its error, here or in the previous pass
     """
 
     value: np.ndarray
@@ -25,16 +25,16 @@ class Image:
 
     @property
     def size(self) -> tuple[int, int]:
-        """(width, height)"""
+        """Return (width, height) in pixels."""
         return self.value.shape[1], self.value.shape[0]
 
     def part(self, rows: slice, columns: slice) -> "Image":
-        """A rectangle of it."""
+        """Return a rectangle of the image."""
         fields = (self.value, self.error, self.undecided)
         return Image(*(None if field is None else field[rows, columns] for field in fields))
 
     def drawn_over(self, part: "Image", rows: slice, columns: slice) -> "Image":
-        """With another image in a rectangle of it."""
+        """Return the image with another one drawn into a rectangle of it."""
         fields = []
         for name in ("value", "error", "undecided"):
             drawn, whole = getattr(part, name), getattr(self, name)
@@ -48,9 +48,9 @@ class Image:
 
 
 def stored(image: Image, dtype: type, rounding: str = "nearest") -> Image:
-    """The image as a render target of `dtype` keeps it; the interval gets wider by one step.
+    """Return the image as a render target of `dtype` stores it; its interval grows by one step.
 
-    rounding  'nearest', or 'zero' for devices that cut off: OpenGL and Vulkan allow both
+    rounding  'nearest', or 'zero' for devices that truncate: OpenGL and Vulkan allow both
     """
     value = rounded(image.value, dtype, rounding).astype(np.float64)
     if image.error is None:
@@ -60,7 +60,7 @@ def stored(image: Image, dtype: type, rounding: str = "nearest") -> Image:
 
 
 def rounded(value: np.ndarray, dtype: type, rounding: str) -> np.ndarray:
-    """Numbers of `dtype`, rounded to nearest or towards zero."""
+    """Convert to `dtype`, rounding to nearest or towards zero."""
     result = value.astype(dtype)
     if rounding == "zero":
         too_far = np.abs(result.astype(np.float64)) > np.abs(value)
@@ -69,6 +69,8 @@ def rounded(value: np.ndarray, dtype: type, rounding: str) -> np.ndarray:
 
 
 def step(value: np.ndarray, dtype: type) -> np.ndarray:
-    """Distance from a magnitude to the next larger number of `dtype`; at the largest one, that to the one before."""
+    """Return the distance from a magnitude to the next larger number of `dtype`; at the largest number, to the one
+    below.
+    """
     last_but_one = np.nextafter(np.finfo(dtype).max, dtype(0)).astype(np.float64)
     return np.spacing(np.minimum(value, last_but_one).astype(dtype)).astype(np.float64)

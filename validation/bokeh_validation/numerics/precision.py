@@ -1,15 +1,15 @@
-"""How far correct devices may be from the formula: the numbers, and where they come from.
+"""Define how far correct devices may be from the formula, with the sources of the numbers.
 
-The acceptance interval of a pixel is computed beside its value, operation by operation (intervals.py). What is more
-than float32's roundings is where a texture is read, and what sin and cos give:
+The allowed interval of a pixel is computed along with its value, operation by operation (intervals.py). Only texture
+reads and sin and cos are less exact than float32's roundings:
 
-  * Sub-texel position. Direct3D 11 and Vulkan ask for 8 bits of sub-texel precision, so a place may be off by 1/256 of
-    a texel (1/512 where it is rounded); software filters in float32 have no such step.
-  * Vulkan and WebGPU let sin and cos be off by 2^-11. (SwiftShader's are off by 0.0002, Mesa's by less than a float32
-    rounding.)
+  * Sub-texel position. Direct3D 11 and Vulkan require 8 bits of sub-texel precision, so a position may be off by 1/256
+of a texel (1/512 if it is rounded); software filters in float32 have no such step.
+  * Vulkan and WebGPU allow errors of 2^-11 in sin and cos. (SwiftShader's are off by 0.0002, Mesa's by less than a
+float32 rounding.)
 
 Storing adds one step of the target's format: both neighbours of a value are valid roundings, and OpenGL and Vulkan do
-not say which is taken (Mesa's OpenGL cuts off, its Vulkan rounds to nearest).
+not say which one is used (Mesa's OpenGL truncates, its Vulkan rounds to nearest).
 """
 
 from dataclasses import dataclass
@@ -20,10 +20,10 @@ FLOAT_STEP = 2.0**-24
 
 @dataclass(frozen=True)
 class Precision:
-    """Filter precision of a class of devices.
+    """Hold the filter precision of a class of devices.
 
-    subtexel  error of a sample's place from fixed-point coordinates, texels
-    filter    rounding of the filter's blend, relative to the largest texel it blends
+    subtexel  error of a sample's position from fixed-point coordinates, texels
+    filter    rounding of the filter's blend, relative to the largest texel that it blends
     line      error of sin and cos
     """
 
@@ -32,13 +32,13 @@ class Precision:
     line: float
 
     def place(self, length: int) -> float:
-        """Error of a sample's place along an axis of `length` texels, in texels."""
+        """Return the error of a sample's position along an axis of `length` texels, in texels."""
         return self.subtexel + length * COORDINATE_ULPS * FLOAT_STEP
 
 
-# 8 bits of sub-texel position; blend in the precision of a half float, the least that a half-float texture needs.
+# 8 bits of sub-texel position; blending in half-float precision, the minimum for a half-float texture.
 GPU = Precision(subtexel=2.0**-8, filter=2.0**-11, line=2.0**-11)
 # Mesa's software texture unit filters float formats in float32.
 SOFTWARE = Precision(subtexel=0.0, filter=4 * FLOAT_STEP, line=4 * FLOAT_STEP)
-# Chromium's software device filters float formats in float32 too, but its sin and cos are those of a GPU.
+# Chromium's software device filters float formats in float32 too, but its sin and cos are as inexact as a GPU's.
 SWIFTSHADER = Precision(subtexel=0.0, filter=4 * FLOAT_STEP, line=2.0**-11)

@@ -1,4 +1,4 @@
-"""Every method on every ray-traced scene, compared with what a lens sees there."""
+"""Draw every method on every ray-traced scene, and compare it with what a lens sees there."""
 
 from collections.abc import Mapping, Sequence
 
@@ -12,30 +12,34 @@ from bokeh_validation.truth.labels import METHODS
 from bokeh_validation.truth.ray_traced import SceneFile
 
 DEFAULT = METHODS[: METHODS.index("layered medium") + 1]
-# How bright the scenes are shown
+# Exposure with which scenes are displayed; 1 for all others
 EXPOSURE = {"market_7": 2.2, "canopy_12": 0.5, "canopy_12x3": 0.5}
 
 
 def case(scene: SceneFile, label: str, aperture: str = "hexagon", **changes) -> Case:
-    """A scene by one of METHODS, the polygon turned as in the truth. `changes` to the settings."""
+    """Return a case of a scene with one of METHODS, the polygon rotated as in the truth; `changes` are to its
+    settings.
+    """
     changes = {"rotation": ray_traced.TRUTH_ROTATION[aperture], **changes}
     image = ray_traced.picture(scene)
     return Case(scene.name, labels.settings(label, scene.camera, aperture, **changes), image.color, image.depth)
 
 
 def picture(driver: Driver, scene: SceneFile, label: str, aperture: str = "hexagon", **changes) -> np.ndarray:
-    """What a method makes of a scene, (H, W, >= 3). The rest as of case()."""
+    """Draw a scene with one of METHODS, (H, W, >= 3); arguments as in case()."""
     return labels.picture(driver, label, case(scene, label, aperture, **changes))
 
 
 def measured(image: np.ndarray, lens: np.ndarray) -> dict[str, float]:
-    """A picture against the truth: mean FLIP; PSNR of tone-mapped colour, dB; linear light over that of the truth."""
+    """Compare an image with the truth: mean FLIP, PSNR of tone-mapped colour in dB, and linear light
+    over the truth's.
+    """
     light = image[..., :3].astype(np.float64).sum() / lens[..., :3].astype(np.float64).sum()
     return {"flip": metrics.flip(image, lens), "psnr": metrics.psnr(image, lens), "light": float(light)}
 
 
 def markdown(rows: Sequence[Mapping]) -> list[str]:
-    """The table of docs/results.md: a row for a method, a column for a scene; FLIP, PSNR in dB, light kept."""
+    """Return a Markdown table with a row per method and a column per scene: FLIP, PSNR in dB, light kept."""
     names = dict.fromkeys(row["scene"] for row in rows)
     lines = [f"| | {' | '.join(names)} |", f"|{'---|' * (len(names) + 1)}"]
     for label in dict.fromkeys(row["label"] for row in rows):
@@ -47,7 +51,7 @@ def markdown(rows: Sequence[Mapping]) -> list[str]:
 def ray_traced_report(
     methods: Sequence[str], used: Driver, scenes: Sequence[SceneFile]
 ) -> tuple[list[dict], list[str]]:
-    """Rows and their table."""
+    """Measure the methods on the scenes; returns the rows and their Markdown table."""
     rows = []
     with terminal.progress("truth", len(scenes) * len(methods)) as step:
         for file in scenes:

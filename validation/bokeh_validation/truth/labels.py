@@ -1,4 +1,4 @@
-"""What truth's commands compare, by the names that --method takes."""
+"""Name what the truth commands compare, as --method takes it."""
 
 import numpy as np
 
@@ -7,20 +7,20 @@ from bokeh_validation.frame.methods import PRESETS, Camera, Settings
 from bokeh_validation.probes import shapes
 from bokeh_validation.probes.model import Case, drawn
 
-# gather: shapes.brute_force, in one pass with Listing 3's weights
+# gather is shapes.brute_force: a single pass with Listing 3's weights
 METHODS = ("pinhole", "paper", "exact", "gather", *(f"layered {preset}" for preset in PRESETS))
-# The same with noise that is another in each frame
+# The same methods with random sample offsets that differ in each frame
 JITTERED = tuple(f"{label}, jitter" for label in METHODS if label.startswith(("exact", "layered")))
 
 
 def complete(label: str) -> str:
-    """Return the label with the default preset where it names a method with presets and none of them."""
+    """Return the label with the default preset added if it names a method with presets but no preset."""
     method, comma, jitter = label.partition(", ")
     return f"layered medium{comma}{jitter}" if method == "layered" else label
 
 
 def settings(label: str, camera: Camera, aperture: str = "hexagon", **changes) -> Settings:
-    """Those of one of METHODS or JITTERED; `changes` to them."""
+    """Return the settings of one of METHODS or JITTERED, with `changes`."""
     (method, _, preset), jitter = label.removesuffix(", jitter").partition(" "), float(label in JITTERED)
     own = {"spacing": 1.0} if method == "exact" else {"preset": preset} if preset else {}
     name = method if method in ("paper", "layered") else "exact"
@@ -28,7 +28,7 @@ def settings(label: str, camera: Camera, aperture: str = "hexagon", **changes) -
 
 
 def picture(driver: Driver, label: str, case: Case) -> np.ndarray:
-    """What a method makes of a case with its settings(), (H, W, >= 3)."""
+    """Draw a case whose settings are those of the label; returns (H, W, >= 3)."""
     if label == "pinhole":
         return case.color
     return shapes.brute_force(driver, case) if label == "gather" else drawn(driver, case)

@@ -1,4 +1,4 @@
-"""The ray-traced scenes of validation/scenes with their cameras and their truth."""
+"""Read the ray-traced scenes of validation/scenes with their cameras and their truth."""
 
 from collections.abc import Iterable
 from dataclasses import dataclass
@@ -11,17 +11,17 @@ from bokeh_validation import exr, paths, terminal
 from bokeh_validation.frame import methods
 from bokeh_validation.probes.model import Case
 
-# aperture -> tag of the truth file
+# aperture -> suffix of the truth's file name
 TRUTHS = {"hexagon": "hex", "octagon": "oct"}
-# aperture -> degrees that turn ours as it is in the truth, where a corner is straight up
+# aperture -> rotation in degrees that matches the truth, which has a corner straight up
 TRUTH_ROTATION = {"hexagon": 0.0, "octagon": 22.5}
 
 
 @dataclass(frozen=True)
 class SceneFile:
-    """A ray-traced scene of validation/scenes with its camera: NAME_pin.exr, and NAME_hex.exr, its truth.
+    """Describe a ray-traced scene of validation/scenes with its camera: NAME_pin.exr, and its truth NAME_hex.exr.
 
-    pinhole  name of the scene whose pinhole picture it has; None: its own
+    pinhole  name of the scene whose pinhole image it shares; None: it has its own
     """
 
     name: str
@@ -30,39 +30,39 @@ class SceneFile:
 
     @property
     def source(self) -> Path:
-        """Colour and depth."""
+        """Return the path of the image with colour and depth."""
         return paths.SCENES / f"{self.pinhole or self.name}_pin.exr"
 
 
 MARKET = SceneFile("market_7", methods.Camera(0.0714, 0.05, 2.42, 0.024, 0.15))
 STREET = SceneFile("street_11", methods.Camera(0.05, 0.05, 5.0, 0.024, 0.15))
 CANOPY = SceneFile("canopy_12", methods.Camera(0.0714, 0.05, 7.0, 0.024, 0.15))
-# the same with three times the aperture
+# the same scenes with three times the aperture
 WIDE_STREET = SceneFile("street_11x3", methods.Camera(0.15, 0.05, 5.0, 0.024, 0.15), "street_11")
 WIDE_CANOPY = SceneFile("canopy_12x3", methods.Camera(0.2142, 0.05, 7.0, 0.024, 0.15), "canopy_12")
 SCENES = (MARKET, STREET, CANOPY, WIDE_STREET, WIDE_CANOPY)
-# The small ones, that every driver draws in every method
+# The small scenes, which every driver draws with every method
 DRIVER_SCENES = (STREET, CANOPY)
 
 
 def chosen(names: Iterable[str] | None) -> list[SceneFile]:
-    """Those of --scene; all by default. Raises UserError."""
+    """Return the scenes chosen with --scene, or all of them. Raises UserError for an unknown name."""
     known = {scene.name: scene for scene in SCENES}
     return [known[name] for name in terminal.chosen("--scene", names, known)]
 
 
 def scene_case(scene: SceneFile, method: str, aperture: str) -> Case:
-    """A scene through its own camera."""
+    """Return a case of a scene through its own camera."""
     image = picture(scene)
     return Case(scene.name, methods.Settings(method, aperture, camera=scene.camera), image.color, image.depth)
 
 
 @cache
 def picture(scene: SceneFile) -> exr.Scene:
-    """Colour and depth through a pinhole, kept."""
+    """Read colour and depth through a pinhole; the result is cached."""
     return exr.read(scene.source)
 
 
 def truth(scene: SceneFile, aperture: str) -> np.ndarray:
-    """What a thin lens sees, ray traced, (H, W, 4)."""
+    """Read the ray-traced result of a thin lens, (H, W, 4)."""
     return exr.read(paths.SCENES / f"{scene.name}_{TRUTHS[aperture]}.exr", None).color

@@ -1,1 +1,1 @@
-"""Windows programs of the harness: C++ sources, their build with mingw-w64, and Wine to run them elsewhere."""
+"""Build the harness's Windows programs from C++ with mingw-w64, and run them with Wine."""

@@ -1,4 +1,4 @@
-"""The programs of this folder, in C++, built with mingw-w64 into the cache folder on first use."""
+"""Build the C++ programs of this folder with mingw-w64 into the cache folder on first use."""
 
 import shutil
 from collections.abc import Iterable, Sequence
@@ -17,15 +17,19 @@ BUILD_S = 120.0
 
 
 def build(name: str, library: str) -> Path:
-    """NAME.exe from NAME.cpp of this folder and its headers, and a library, such as '-ld3d9'; see compiled()."""
+    """Build NAME.exe from NAME.cpp and the headers of this folder; see compiled().
+
+    library  linker option, such as '-ld3d9'
+    """
     source = f"{name}.cpp"
     return compiled(name, (*COMMAND, source, library), [SOURCES / source, *SOURCES.glob("*.h")], SOURCES)
 
 
 def compiled(name: str, command: Sequence[str], files: Iterable[Path], folder: Path) -> Path:
-    """NAME.exe by a command of mingw-w64 in `folder`; '-o PROGRAM' is added. Built anew when one of `files` changes.
+    """Return NAME.exe, built by a command of mingw-w64 in `folder` if any of `files` has changed; '-o PROGRAM' is
+    appended.
 
-    Raises Unavailable without a compiler, RuntimeError with the compiler's words where it refuses.
+    Raises Unavailable without a compiler, RuntimeError with the compiler's messages if it fails.
     """
     if shutil.which(command[0]) is None:
         raise Unavailable(f"{command[0]} is not on this machine; {wine.INSTALL}")

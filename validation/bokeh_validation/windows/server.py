@@ -1,4 +1,4 @@
-"""A running program of this folder: lines to it, lines from it, each with a time limit (see serve.h)."""
+"""Talk to a running program of this folder: lines in both directions, with a time limit (see serve.h)."""
 
 import os
 import select
@@ -15,11 +15,11 @@ START_S = 60.0
 
 
 class Server:
-    """One program, started on the first request and again after it has crashed or hung.
+    """Run one program, started on the first request and again after it has crashed or hung.
 
     program   path of the .exe
-    folder    its working directory, where data go
-    greeting  what the program said of itself when it started
+    folder    its working directory, for data
+    greeting  what the program reported when it started
     """
 
     def __init__(self, program: Path):
@@ -29,7 +29,7 @@ class Server:
         self._process: subprocess.Popen | None = None
 
     def start(self) -> None:
-        """Start the program unless it runs. Raises Unavailable where it does not come up."""
+        """Start the program unless it is running. Raises Unavailable if it does not start."""
         if self._process and self._process.poll() is None:
             return
         self._end()
@@ -47,16 +47,18 @@ class Server:
         self.greeting = text
 
     def ask(self, request: str, timeout: float) -> None:
-        """Have a request done. Raises RuntimeError with what went wrong, also a crash or a hang, and Unavailable."""
+        """Send a request and wait until it is done. Raises RuntimeError with the error, a crash or a hang, and
+        Unavailable.
+        """
         self.start()
-        with suppress(OSError):  # where it is gone the missing answer tells
+        with suppress(OSError):  # if the program is gone, the missing answer says so
             self._process.stdin.write(request.encode("ascii") + b"\n")
         kind, _, text = self._answer(timeout).partition(" ")
         if kind != "ok":
             raise RuntimeError(f"{self.program.name}: {text}")
 
     def _answer(self, timeout: float) -> str:
-        """The next line. Once there is something to read, the whole of it follows."""
+        """Return the next line. Once any of it can be read, the rest follows."""
         stream = self._process.stdout
         answered = select.select([stream], [], [], timeout)[0]
         if line := stream.readline() if answered else b"":
@@ -65,7 +67,7 @@ class Server:
         raise RuntimeError(f"{self.program.name} {'crashed' if answered else f'hung: stopped after {timeout:g} s'}")
 
     def _end(self) -> None:
-        """End the program at once, with Wine's processes, which run in its process group."""
+        """Kill the program with Wine's processes, which are in its process group."""
         if self._process:
             with self._process, suppress(ProcessLookupError):
                 os.killpg(self._process.pid, signal.SIGKILL)

@@ -1,8 +1,8 @@
-"""Windows programs elsewhere than on Windows: a Wine prefix and an X display of our own, both gone afterwards.
+"""Run Windows programs on other systems, with a private Wine prefix and X display that end with the process.
 
-A prefix serves one process of the harness at a time, which may then end whatever runs in it: `wineserver -k` before the
-first program, for what a killed run left, and after the last. A second harness at the same time takes a second prefix.
-The display is Xvfb's, on a number that is free; that of the user is never touched.
+A prefix is used by one process of the harness at a time. That process may end everything in it: `wineserver -k` before
+the first program, for leftovers of a killed run, and after the last. A second process at the same time uses a second
+prefix. The display is Xvfb's, on a free number; the user's display is not used.
 """
 
 import atexit
@@ -22,13 +22,13 @@ from bokeh_validation.packages import Package
 from bokeh_validation.process import find, once
 
 INSTALL = needs.install("wine")
-PREFIX_S = 120.0  # making a prefix takes 9 to 20 s
+PREFIX_S = 120.0  # seconds; creating a prefix takes 9 to 20
 KILL_S = 10.0
 QUIET = dict.fromkeys(("stdin", "stdout", "stderr"), subprocess.DEVNULL)
-# The display lasts until our end of the shell's standard input closes, however we end
+# The display ends when the shell's standard input closes, however this process ends
 DISPLAY = ("xvfb-run", "-a", "sh", "-c", 'echo "$DISPLAY $XAUTHORITY"; read -r _')
 
-# Microsoft's shader compiler, in every prefix in place of Wine's, which does not know shader model 3
+# Microsoft's shader compiler, which replaces Wine's in every prefix, since that does not support shader model 3
 VERSION = "0.5.0"
 LIBRARY = "d3dcompiler_47.dll"
 COMPILER = Package(
@@ -42,10 +42,10 @@ COMPILER = Package(
 
 
 class Wine:
-    """A prefix and a display that are ours alone until stop(), ready for programs.
+    """Own a prefix and a display until stop(), ready for programs.
 
-    environment  of a program: our prefix, our display, and nothing that asks or draws
-    work         folder for files of programs, empty at first
+    environment  for a program: the prefix, the display, and no prompts
+    work         folder for the programs' files, empty at first
     """
 
     def __init__(self) -> None:
@@ -63,7 +63,7 @@ class Wine:
             "XDG_RUNTIME_DIR": str(paths.cache_folder()),
             "WINEARCH": "win64",
             "WINEDEBUG": "-all",
-            # no prompts for Mono and Gecko, no entries in the user's menu, Microsoft's compiler
+            # no prompts for Mono and Gecko, no entries in the user's menu, and Microsoft's compiler
             "WINEDLLOVERRIDES": "mscoree,mshtml=;winemenubuilder.exe=d;d3dcompiler_47=n",
             "LC_ALL": "C.UTF-8",
             "DISPLAY": display,
@@ -76,7 +76,7 @@ class Wine:
         self.work.mkdir()
 
     def _use(self, prefix: Path) -> None:
-        """Have programs run in a prefix, in which nothing runs yet."""
+        """Make programs run in a prefix, and end what is running there."""
         self.environment["WINEPREFIX"] = str(prefix)
         self.end_programs()
 
@@ -87,21 +87,21 @@ class Wine:
             subprocess.run(self.command("wineboot", "-i"), env=self.environment, timeout=PREFIX_S, check=True, **QUIET)
         except subprocess.SubprocessError as error:
             raise Unavailable(f"wineboot made no prefix ({error}); {INSTALL}") from error
-        # it returns before the registry is on disk; the server's end writes it
+        # wineboot returns before the registry is saved; ending the server saves it
         self.end_programs()
         shutil.copy(compiler, folder / "drive_c/windows/system32")
 
     @property
     def device(self) -> str:
-        """What draws for Wine's Direct3D, whose own adapter names are those of cards that it imitates.
+        """Return the device that draws for Wine's Direct3D; Wine's adapter names are those of cards that it imitates.
 
-        It is OpenGL, which a display of Xvfb has from Mesa's software driver alone.
+        Wine draws with OpenGL, which on Xvfb is always Mesa's software driver.
         """
         said = process.run(self.command("--version"), KILL_S)
         return f"llvmpipe on Xvfb, Wine {re.search(r'^wine-(.*?)( |$)', said, re.MULTILINE)[1]}"
 
     def command(self, *words: str | Path) -> list[str]:
-        """Command line that runs an .exe with its arguments."""
+        """Return the command line that runs an .exe with its arguments."""
         return [self._wine, *map(str, words)]
 
     def end_programs(self) -> None:
@@ -111,14 +111,14 @@ class Wine:
                 subprocess.run([self._server, argument], env=self.environment, timeout=KILL_S, **QUIET)
 
     def stop(self) -> None:
-        """End all programs and the display, and give the prefix back."""
+        """End all programs and the display, and release the prefix."""
         self.end_programs()
         self._display.communicate()  # closes standard input
         self._lock.release()
 
 
 def _own_folder():
-    """(folder, lock that is held) of the first prefix that no other process has."""
+    """Return (folder, acquired lock) of the first prefix that no other process uses."""
     folder = paths.ensured(paths.cache_folder() / "wine")
     for number in count():
         lock = FileLock(folder / f"prefix-{number}.lock", blocking=False, thread_local=False)
@@ -127,13 +127,13 @@ def _own_folder():
             return folder / f"prefix-{number}", lock
 
 
-# What ends with this process
+# Functions to call when this process ends
 _ending = ExitStack()
 
 
 @once
 def get() -> Wine:
-    """The prefix of this process, made on first use. Raises Unavailable, the same each time."""
+    """Return the prefix of this process, created on first use. Raises Unavailable, the same error each time."""
     wine = Wine()
     _ending.callback(wine.stop)
     return wine
@@ -141,5 +141,5 @@ def get() -> Wine:
 
 @atexit.register
 def stop() -> None:
-    """Leave nothing of ours running. Called at exit; call it yourself before os._exit()."""
+    """End everything that this module started. It runs at exit; before os._exit(), call it explicitly."""
     _ending.close()
