@@ -1,7 +1,8 @@
-"""What each pass computes but those of the layers: the paper's formulas and the polygons' geometry, in float64.
+"""Compute what each pass except those of the layers writes, in float64, from the paper's formulas and the polygons'
+geometry.
 
-Written without a look at the shaders' text, which interpreter.py runs: tests/shaders/test_reference.py holds one to the
-other. Textures are (H, W, 4): linear colour, CoC in alpha.
+Written independently of the shaders' text, which interpreter.py runs: tests/shaders/test_reference.py compares the
+two. Textures are (H, W, 4): linear colour, CoC in alpha.
 """
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
@@ -28,16 +29,16 @@ from bokeh_validation.shaders.entries import (
 )
 from bokeh_validation.shaders.passes import Pass
 
-# Interleaved gradient noise (Jimenez 2014); a frame adds 33/64, in pass p 8 p + 1 times
+# Interleaved gradient noise (Jimenez 2014); each frame adds 33/64, 8 p + 1 times in pass p
 NOISE = (0.06711056, 0.00583715, 52.9829189)
 FRAME_STEP, FRAMES, PASS_STEPS = 33 / 64, 64, 8
 MOST_LATERAL = 0.1
-# a sample of every pixel: its texture, its place relative to the pixel, texels, and its weight
+# one sample of every pixel: index of its texture, its position relative to the pixel in texels, and its weight
 Sample = tuple[int, np.ndarray, np.ndarray, np.ndarray | float]
 
 
 def run_pass(item: Pass, inputs: Mapping[str, np.ndarray]) -> list[np.ndarray]:
-    """What a pass writes to each of its targets, from the textures in its slots."""
+    """Return what a pass writes to each of its targets, given slot -> texture."""
     values, role = item.given(), item.spec.role
     depth = inputs["DepthSamp"][..., 0] if "DepthSamp" in inputs else None
     if role == DEPTH:
@@ -65,7 +66,7 @@ def run_pass(item: Pass, inputs: Mapping[str, np.ndarray]) -> list[np.ndarray]:
 
 
 def _coc_map(entry: str, values: Mapping[str, float], color: np.ndarray, depth: np.ndarray | None) -> np.ndarray:
-    """Listing 1."""
+    """Compute the CoC map (Listing 1)."""
     if entry == "BokehConstantCoC":
         coc = np.clip(values["BokehConstantCoC"], 0.0, values["BokehMaxCoC"])
     else:
@@ -81,9 +82,10 @@ def _coc_map(entry: str, values: Mapping[str, float], color: np.ndarray, depth: 
 
 
 def _beside_lights(color: np.ndarray, coc: np.ndarray) -> np.ndarray:
-    """The CoC of the brightest of the four neighbours, where that is nearer: from 4 times the brightness to 8.
+    """Take over the CoC of the brightest of the four neighbours if it is nearer, ramping in from 4 to 8 times the
+    brightness.
 
-    Where the sharper of the two has a CoC of a pixel or less, each keeps its own, and from two pixels on none does.
+    If the sharper of the two has a CoC of one pixel or less, each keeps its own; the change ramps in up to two pixels.
     """
     light = listings.safe_color(color[..., :3]).sum(axis=-1)
     around, of_them = (
@@ -98,29 +100,31 @@ def _beside_lights(color: np.ndarray, coc: np.ndarray) -> np.ndarray:
 
 
 def _of_image(depth: np.ndarray, values: Mapping[str, float]) -> np.ndarray:
-    """The rectangle of a depth buffer that the image lies in: as many texels as the image has."""
+    """Return the rectangle of a depth buffer that the image covers; it has as many texels as the image."""
     (height, width), (x, y, w, h) = depth.shape, [values[f"BokehDepth{name}"] for name in ("X", "Y", "Width", "Height")]
     return depth[round(y * height) : round((y + h) * height), round(x * width) : round((x + w) * width)]
 
 
 def _signed_coc(depth: np.ndarray, values: Mapping[str, float]) -> np.ndarray:
-    """Of a lens that has a range in focus, and factors and limits of both sides."""
+    """Compute the signed CoC of a lens with an in-focus range, and factors and limits for each side."""
     aperture, focal, focus, sensor, most = (values[name] for name in LENS)
     ranges, scales, limits = ([values[f"Bokeh{side}{what}"] for side in sides] for what, sides in FOCUS.items())
     nearest, farthest = min(focus, listings.MAX_DEPTH) - ranges[0], min(focus, listings.MAX_DEPTH) + ranges[1]
-    # in front of the range as of a lens that is focused at its near end, behind it at the far one
+    # in front of the range, the lens is focused at its near end; behind it, at the far end
     of_ends = [listings.circle_of_confusion(depth, aperture, focal, end, sensor, most) for end in (nearest, farthest)]
     front, back = (np.minimum(scale * coc, limit) for scale, coc, limit in zip(scales, of_ends, limits, strict=True))
     return np.where(depth < nearest, -front, np.where(depth > farthest, back, 0.0))
 
 
 def _texels(item: Pass, size: tuple[int, int]) -> tuple[float, float]:
-    """In an image's height, across and down: x is divided by the aspect ratio that the shaders are told."""
+    """Return the scale from offsets in image heights to texels; x uses the aspect ratio that the shaders are given."""
     return size[0] / item.given()["BokehAspectRatio"], size[1]
 
 
 def _fixed(item: Pass, inputs: Mapping[str, np.ndarray]) -> Iterator[Sample]:
-    """The same samples for every pixel, scaled by its CoC: on lines from end to end (Listing 2), or from a table."""
+    """Yield samples that are the same for every pixel, scaled by its CoC: along lines from end to end (Listing 2), or
+    from a table.
+    """
     coc = inputs["ColorSamp"][..., 3]
     if item.spec.role == TABLE:
         places = inputs["KernelSamp"][0, :, :2] * [item.given()["BokehSqueeze"], 1.0]
@@ -138,10 +142,13 @@ def gather(
     values: Mapping[str, float],
     blur_coc: bool,
 ) -> np.ndarray:
-    """Listing 3: weighted mean of samples around each pixel; the pixel itself where every one was rejected.
+    """Return the weighted mean of samples around each pixel (Listing 3); the pixel itself if every sample is rejected.
 
-    sources  what is sampled; the first has the pixels in the middle
-    depth    None: the CoC are signed, and the leakage test needs no depth
+    sources   textures to sample; the first one has the centre pixels
+    depth     None: the CoC is signed, and the leakage test needs no depth
+    samples   see Sample
+    values    parameters by name
+    blur_coc  whether alpha is averaged too
     """
     center, leakage = sources[0], (values["BokehBleedingBias"], values["BokehBleedingMult"])
     size, (row, column) = center.shape[1::-1], np.mgrid[0 : len(center), 0 : center.shape[1]] + 0.5
@@ -161,7 +168,7 @@ def gather(
 
 
 def _along_lines(item: Pass, inputs: Mapping[str, np.ndarray], depth: np.ndarray | None) -> list[np.ndarray]:
-    """`BokehAdaptive` and the passes of exact polygons: for each target the lines that have a share in it."""
+    """Compute `BokehAdaptive` and the passes of exact polygons: for each target, the lines that contribute to it."""
     values, size = item.given(), inputs["ColorSamp"].shape[1::-1]
     found, targets = lines(item, size), []
     if is_hexagon(item):
@@ -181,7 +188,7 @@ def _along_lines(item: Pass, inputs: Mapping[str, np.ndarray], depth: np.ndarray
 
 
 def is_hexagon(item: Pass) -> bool:
-    """Whether a pass is one of an exact hexagon's: its lines are rays."""
+    """Return whether a pass belongs to an exact hexagon, whose lines are rays."""
     sides = item.spec.sides or round(item.given()["BokehSides"])
     return item.spec.role in (FIRST, SECOND, EDGE) and not item.spec.layers and sides == 6
 
@@ -190,7 +197,7 @@ def _along_rays(item: Pass, inputs: Mapping[str, np.ndarray], found: Sequence[Li
     center, is_first = inputs["ColorSamp"], item.spec.role != SECOND
     coc = center[..., 3]
     along = [rays.gathered(cells(item, line, coc), inputs[line.slot], coc) for line in found]
-    # a line of no length has gathered nothing
+    # a line of length 0 has gathered nothing
     sharp = filter_coc(np.abs(coc), len(coc), item.spacing) == 0.0
     targets = []
     for target in range(len(found[0].shares)):
@@ -201,7 +208,8 @@ def _along_rays(item: Pass, inputs: Mapping[str, np.ndarray], found: Sequence[Li
 
 
 def cells(item: Pass, line: Line, coc: np.ndarray) -> Iterator[rays.Cell]:
-    """Samples of a line, one in each of its cells: x and y, texels, and the shares of the line where its cell is.
+    """Yield the samples of a line, one per cell: x and y in texels, and where the cell begins and ends, as fractions
+    of the line.
 
     With a spacing, cells have that length, counted from the line's beginning, and the last one is shorter.
     """
@@ -210,7 +218,7 @@ def cells(item: Pass, line: Line, coc: np.ndarray) -> Iterator[rays.Cell]:
     used = filter_coc(np.abs(coc), height, spacing)
     length = 2.0 * segment.half_length * used * height
     count = np.clip(length / spacing, 1.0, item.samples) if spacing > 0.0 else np.full_like(used, item.samples)
-    # the exact passes know which they are
+    # the exact passes have fixed indices
     index = values["BokehPassIndex"] if item.spec.role == ADAPTIVE else float(item.spec.role == SECOND)
     jitter = max(values["BokehJitter"], 0.0) * noise((width, height), values["BokehFrame"], index)
     phase = 0.5 + jitter * np.clip(length / count - 1.0, 0.0, 1.0)
@@ -225,21 +233,21 @@ def cells(item: Pass, line: Line, coc: np.ndarray) -> Iterator[rays.Cell]:
 
 
 def filter_coc(coc, image_height: float, spacing: float):
-    """The CoC that a line uses: 0 below half a pixel, its own from one pixel up."""
+    """Return the CoC that a line uses: 0 up to half a pixel, the full CoC from one pixel on, ramped between them."""
     if spacing <= 0.0:
         return coc
     return coc * np.clip(2.0 * coc * image_height - 1.0, 0.0, 1.0)
 
 
 def noise(size: tuple[int, int], frame: float, pass_index: float = 0) -> np.ndarray:
-    """Interleaved gradient noise of a pass of a frame, (H, W), -0.5 .. 0.5."""
+    """Return interleaved gradient noise for a pass of a frame, (H, W), -0.5 to 0.5."""
     steps = FRAME_STEP * ((PASS_STEPS * pass_index + 1) * (frame % FRAMES) + pass_index)
     y, x = np.mgrid[0 : size[1], 0 : size[0]]
     return (NOISE[2] * ((NOISE[0] * x + NOISE[1] * y) % 1.0) + steps) % 1.0 - 0.5
 
 
 def _lateral(picture: np.ndarray, amount: float) -> np.ndarray:
-    """Lateral colour: red imaged larger by `amount` of its size than green, blue smaller."""
+    """Compute lateral colour: red is enlarged by `amount` relative to green, blue reduced."""
     (height, width), amount = picture.shape[:2], min(max(amount, -MOST_LATERAL), MOST_LATERAL)
     value, (y, x) = picture.copy(), np.mgrid[0:height, 0:width] + 0.5
     for channel, scale in ((0, 1.0 + amount), (2, 1.0 - amount)):
@@ -249,8 +257,10 @@ def _lateral(picture: np.ndarray, amount: float) -> np.ndarray:
 
 
 def _steady(picture: np.ndarray, history: np.ndarray, velocity: np.ndarray, share: float) -> np.ndarray:
-    """The CoC of the last frame from where each pixel was, between the nearest of 3 x 3 and its own, and a share of
-    that; `velocity` in uv.
+    """Compute the stabilised map.
+
+    The previous frame's CoC, fetched from where each pixel was, is clamped between the nearest of 3 x 3 and the
+    pixel's own, then blended with it; `share` is the weight of this frame. `velocity` is in uv.
     """
     (height, width), own = picture.shape[:2], picture[..., 3]
     moved = np.where(np.isfinite(velocity[..., :2]), velocity[..., :2], np.inf)
@@ -266,7 +276,7 @@ def _steady(picture: np.ndarray, history: np.ndarray, velocity: np.ndarray, shar
 
 
 def _debug(image: np.ndarray, depth: np.ndarray, values: Mapping[str, float]) -> np.ndarray:
-    """Colour, depth, CoC, or near and far field."""
+    """Compute the debug view: colour, depth, CoC, or near and far field."""
     mode, focus, s2 = values["BokehDebugMode"], values["BokehFocusDistance"], listings.safe_depth(depth)
     amount = np.clip(np.abs(image[..., 3]) / max(values["BokehMaxCoC"], listings.MIN_DEPTH), 0.0, 1.0)
     one = np.ones_like(amount)

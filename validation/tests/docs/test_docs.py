@@ -1,6 +1,6 @@
-"""The documents against the code: tables and names are those of the code, links lead somewhere.
+"""Check the documents against the code: their tables and names match it, and links lead somewhere.
 
-The README's snippets are run by test_paste.py.
+test_paste.py runs the README's snippets.
 """
 
 import re
@@ -18,18 +18,18 @@ from bokeh_validation.shaders.entries import EXACT
 
 
 def prose(document: Path) -> str:
-    """A document without its code."""
+    """Return the text of a document without its code blocks."""
     return re.sub(r"^ *```.*?^ *```", "", document.read_text(encoding="utf-8"), flags=re.MULTILINE | re.DOTALL)
 
 
 def anchors(document: Path) -> set[str]:
-    """What a link may name of its headings, as GitHub makes it of them."""
+    """Return the anchors of a document's headings, as GitHub forms them."""
     heads = re.findall(r"^#+ (.*)$", prose(document), re.MULTILINE)
     return {re.sub(r"[^\w\- ]", "", head.lower()).replace(" ", "-") for head in heads}
 
 
 def test_links_exist():
-    """Every relative link leads to a file, and to a heading in it; what looks like a link in code is none."""
+    """Check that every relative link leads to a file, and its anchor to a heading; links in code are ignored."""
     documents = [
         path for folder in ("docs", "integration", "validation") for path in (paths.ROOT / folder).rglob("*.md")
     ]
@@ -43,7 +43,7 @@ def test_links_exist():
 
 
 def test_fetches_of_the_readme():
-    """Those of a hexagon at 1920 x 1080 by `exact` and `layered`, with each preset of the library."""
+    """Compare the README's fetches with those of a hexagon at 1920 x 1080 by `exact` and `layered`, for each preset."""
     readme = (paths.ROOT / "README.md").read_text(encoding="utf-8")
     shown = re.findall(r"^\| `BOKEH_PRESET_(\w+)` \| (\d+) \| (\d+) \|$", readme, re.MULTILINE)
     assert [name.lower() for name, *_ in shown] == list(methods.PRESETS)
@@ -55,14 +55,16 @@ def test_fetches_of_the_readme():
 
 
 def costs(method: str, aperture: str = "hexagon", preset: str = "medium", targets: bool = True) -> tuple[int, int]:
-    """Passes of a frame as `plan` prints it, and fetches of colour and depth for a pixel."""
+    """Return the passes of a frame as `plan` prints it, and its fetches of colour and depth per pixel."""
     planned = plan.frame(methods.Settings(method, aperture, preset=preset, use_mrt=targets), (1920, 1080))
     return len(planned["passes"]), round(sum(planned["fetches"].values()))
 
 
 def test_counts_of_all_pages():
-    """docs/start.md has those of a frame; what any page calls so many passes or fetches is a frame's, or a pass's of
-    bokeh_lens.
+    """Check the numbers of passes and fetches on all pages.
+
+    docs/start.md has those of a frame. Elsewhere, a number called passes or fetches must be that of some frame, or of
+    a pass of bokeh_lens.
     """
     start = (paths.ROOT / "docs/start.md").read_text(encoding="utf-8")
     shown = re.findall(r"^\| [^|]+ \| \*\*`(\w+)`\*\* \| (\d+) \| (\d+) \|$", start, re.MULTILINE)
@@ -77,7 +79,7 @@ def test_counts_of_all_pages():
 
 
 def test_results_of_the_readme():
-    """The README's FLIP and light kept of its scenes are those of docs/data, fetches those of the presets."""
+    """Compare the README's FLIP and light kept with docs/data, and its fetches with the presets."""
 
     def rows(text: str, after: str) -> dict[str, list[str]]:
         lines = re.findall(r"^\| ?([^| -].*?) ?\|$", text.split(after, 1)[1].split("\n## ")[0], re.MULTILINE)
@@ -94,7 +96,9 @@ def test_results_of_the_readme():
 
 
 def test_engines_of_the_readme():
-    """The README has each engine of integration/README.md, with the same methods, and says which were never run."""
+    """Check that the README lists the engines of integration/README.md with the same methods, and says which were
+    never run.
+    """
     text = (paths.ROOT / "README.md").read_text(encoding="utf-8")
     table = (paths.ROOT / "integration/README.md").read_text(encoding="utf-8")
     rows = re.findall(r"^\| \[.+?\]\((\w+/README\.md)\)[^|]*\| ([^|]*) \| ([^|]*) \|$", table, re.MULTILINE)
@@ -105,14 +109,14 @@ def test_engines_of_the_readme():
 
 
 def test_readme_shows_the_sample():
-    """The README's lines for three.js are those of the sample, which test_engines.py runs."""
+    """Check that the README's lines for three.js are in the sample that test_engines.py runs."""
     text = (paths.ROOT / "README.md").read_text(encoding="utf-8")
     (block,) = re.findall(r"^```js\n(.*?)^```", text, re.MULTILINE | re.DOTALL)
     assert block in (paths.ROOT / "integration/threejs/webgl.js").read_text(encoding="utf-8")
 
 
-# What docs/troubleshooting.md says that a user sees -> the tests that keep this package from it. What is not named here
-# only a user's own engine can do wrong.
+# What a user sees, by docs/troubleshooting.md -> the tests that prevent it in this package. Problems without an entry
+# can only be caused by a user's own engine.
 KEPT = {
     "The image is upside down, or": "test_drivers::test_scenes, test_viewport::test_nothing_leaks_in",
     "Everything is soft, even in focus": "test_invalid_input::test_in_focus_nothing_changes",
@@ -147,7 +151,7 @@ KEPT = {
     "Small moving lights flicker": "test_continuity::test_a_small_highlight_keeps_its_light",
     "Noise stands still": "test_exact::test_every_frame_and_pass_has_its_own_noise",
 }
-# What is known from other packages, and cannot be seen here
+# Problems of other packages that this one cannot show -> the tests that prevent them
 KEPT_AWAY = {
     "a bright Y in the hexagon, from double seams or wrong weights": "test_exact::test_light_on_float_targets",
     "another size at another quality": "test_invariance::test_presets_never_change_the_size",
@@ -159,7 +163,7 @@ KEPT_AWAY = {
 
 
 def test_pitfalls_have_tests():
-    """What KEPT names is on the page, and each test of both tables is there."""
+    """Check that the page has every entry of KEPT, and that the tests named in both tables exist."""
     text = (paths.ROOT / "docs/troubleshooting.md").read_text(encoding="utf-8")
     for seen in KEPT:
         assert re.search(rf"^\* \*\*\[?{re.escape(seen)}", text, re.MULTILINE), seen
@@ -178,7 +182,7 @@ SENSOR = 0.024
 
 
 def run(code: str, **names: float) -> dict[str, float]:
-    """The names after a block of the page, which is C and, without types and semicolons, Python."""
+    """Run a code block of the page and return its variables; it is C, and Python without types and semicolons."""
     names |= {"tan": tan, "exp": exp, "max": max}
     exec(code.replace("float ", "").replace(";", ""), names)
     return names
@@ -188,7 +192,9 @@ LENS, PULL = re.findall(r"^```c\n(.*?)^```", LENS_PAGE, re.MULTILINE | re.DOTALL
 
 
 def test_formulas():
-    """f gives the field of view back, A / f is 10 / N at a bokeh scale of 10, and the matrix gives the same f."""
+    """Check that f gives the field of view back, that A / f is 10 / N at a bokeh scale of 10, and that the matrix
+    gives the same f.
+    """
     lens = run(LENS, fovy=1.0, fStop=2.8, bokehScale=10.0, sensorHeight=SENSOR)
     assert 2.0 * atan(0.5 * SENSOR / lens["focalLength"]) == pytest.approx(1.0)
     assert lens["apertureDiameter"] * 2.8 == pytest.approx(10.0 * lens["focalLength"])
@@ -198,7 +204,9 @@ def test_formulas():
 
 @pytest.mark.parametrize("rate", [24, 60, 144])
 def test_pull(rate):
-    """The way left is exp(-t / tau) at any frame rate, the nearest wins, and the sky is no trouble."""
+    """Check that the remaining distance is exp(-t / tau) at any frame rate, that the nearest depth is used, and that
+    the sky does no harm.
+    """
     pulled, tau = 1 / 10.0, 0.25
     for _ in range(rate):
         pulled = run(PULL, dt=1 / rate, tau=tau, d0=inf, d1=2.0, d2=5.0, pulled=pulled)["pulled"]

@@ -1,8 +1,8 @@
-"""Numbers of the documents are those of docs/data: a digit that is changed on a page alone fails here.
+"""Compare the numbers in the documents with docs/data: a digit changed only on a page fails here.
 
-truth.json is what `validation/run truth --json` wrote; test_truth.py measures some of its rows anew. peers.json and
-printed.json say in `source` where theirs come from. `validation/run generate` writes the tables. README's table is held
-to docs/data by test_docs.py.
+truth.json was written by `validation/run truth --json`; test_truth.py measures some of its rows again. peers.json and
+printed.json state their origin in `source`. `validation/run generate` writes the tables. test_docs.py compares
+README's table with docs/data.
 """
 
 import hashlib
@@ -20,7 +20,7 @@ Table = list[list[str]]
 
 
 def tables(text: str) -> list[Table]:
-    """The tables of a page, each its rows of cells; the line under the header is left out."""
+    """Return the tables of a page as rows of cells, without the line under the header."""
     found: list[Table] = []
     inside = False
     for line in text.splitlines():
@@ -37,17 +37,17 @@ def tables(text: str) -> list[Table]:
 
 
 def numeric(table: Table) -> bool:
-    """Whether any cell but those of the header and of the first column begins with a digit."""
+    """Return whether a cell outside the header and the first column begins with a digit."""
     return any(re.match(r"[.\d]", cell) for _, *cells in table[1:] for cell in cells)
 
 
 def data(name: str) -> dict:
-    """A file of docs/data."""
+    """Return the content of a JSON file of docs/data."""
     return json.loads((paths.ROOT / f"docs/data/{name}.json").read_text(encoding="utf-8"))
 
 
 def digests() -> dict[str, str]:
-    """'scene, effect' -> hash of the parameters that it was measured with."""
+    """Return 'scene, effect' -> hash of the parameters with which the effect was measured."""
     found = {}
     for scene, effects in FOUND.items():
         for effect, parameters in effects.items():
@@ -57,14 +57,14 @@ def digests() -> dict[str, str]:
 
 
 def page_tables(name: str) -> list[Table]:
-    """The tables with numbers of a page of docs."""
+    """Return the tables with numbers on a page of docs."""
     page = (paths.ROOT / "docs" / name).read_text(encoding="utf-8")
     return [table for table in tables(page) if numeric(table)]
 
 
 @pytest.mark.parametrize(("place", "key", "digits"), [(0, "flip", 4), (1, "psnr", 2), (2, "light", 3)])
 def test_ray_traced_scenes(place, key, digits):
-    """The first three tables of docs/results-data.md are truth.json's and peers.json's, rounded."""
+    """Compare the first three tables of docs/results-data.md with truth.json and peers.json, rounded."""
     recorded = {(row["label"], row["scene"]): row for name in ("truth", "peers") for row in data(name)["rows"]}
     (_, *scenes), *rows = page_tables("results-data.md")[place]
     assert {(label, scene) for label, *_ in rows for scene in scenes} == set(recorded)
@@ -74,7 +74,9 @@ def test_ray_traced_scenes(place, key, digits):
 
 
 def test_comparison():
-    """The table of docs/results.md has the FLIP of results-data.md, with the mean, the lowest mean first."""
+    """Compare the table of docs/results.md with the FLIP of results-data.md; it also has the mean, in
+    ascending order.
+    """
     (((_, *scenes, last), *rows),) = page_tables("results.md")
     ((_, *others), *data_rows) = page_tables("results-data.md")[0]
     assert scenes == others and last == "mean"
@@ -86,18 +88,20 @@ def test_comparison():
 
 
 def test_effects_have_the_parameters_that_were_measured():
-    """A parameter of found.json that is changed needs the effect measured anew, and with it this digest."""
+    """Check that found.json is unchanged: a changed parameter requires a new measurement, and then a new digest."""
     assert data("peers")["parameters"] == digests()
 
 
 @pytest.mark.parametrize("name", ["results.md", "results-data.md", "cost.md", "compilers.md"])
 def test_tables(name):
-    """A page has the tables that follow from docs/data, and no other table with numbers."""
+    """Check that a page has the tables that follow from docs/data, and no other table with numbers."""
     assert sorted(page_tables(name)) == sorted(results.tables()[name].values())
 
 
 def test_cells():
-    """A cell of a table of results has one number at most, and docs/data/results.csv has every cell, once."""
+    """Check that a cell of a results table holds at most one number, and that docs/data/results.csv has each cell
+    once.
+    """
     listed = (paths.ROOT / results.CSV).read_text(encoding="utf-8").splitlines()
     shown = 0
     for name, named in results.tables().items():
@@ -110,7 +114,7 @@ def test_cells():
 
 
 def test_a_changed_digit_is_found():
-    """A number of any of the pages that is changed by hand is out of date for `generate --check`."""
+    """Check that `generate --check` notices a number changed by hand on a page."""
     text = (paths.ROOT / "docs/results-data.md").read_text(encoding="utf-8")
     first = page_tables("results-data.md")[0][1][1]
     regions = dict(generate.rendered())["docs/results-data.md"]

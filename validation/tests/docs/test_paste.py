@@ -1,7 +1,7 @@
-"""What users paste: the blocks at the top of each library and in the README, run as they stand, as one chain of passes.
+"""Run what users paste: the blocks at the top of each library and in the README, unchanged, as one chain of passes.
 
-Each program is the library and one block, nothing between them, with the vertex shader that stands beside them. The
-chain starts from a depth buffer of 0 .. 1, and its result is held against the float64 reference.
+A program is the library followed by one block, with the vertex shader given next to it. The chain starts from a depth
+buffer of 0 to 1; its result is compared with the float64 reference.
 """
 
 import re
@@ -26,10 +26,10 @@ from bokeh_validation.probes.model import Case
 from bokeh_validation.reference import listings, pass_images
 
 README = paths.ROOT / "README.md"
-WINDOW = listings.DEPTH_KINDS["window"]  # what the blocks take the depth buffer for
+WINDOW = listings.DEPTH_KINDS["window"]  # what the blocks assume the depth buffer to be
 CAMERA = methods.Camera(aperture_diameter=0.08, focal_length=0.05, focus_distance=6.0)
-# What a block gets that reads a texture of that name (GLSL and shader model 3 add Samp), and what it writes, as the
-# plan names them
+# For each block: the texture in each of its slots (GLSL and shader model 3 append Samp to the slot's name), and its
+# targets, by the plan's names
 READS = ({"Color": "color", "Depth": "depth"}, {"Map": "coc"}, {"Strip2": "strip 2", "Strip3": "strip 3"})
 WRITES = (("coc",), ("strip 2", "strip 3"), ("result",))
 NAMES = [name for names in WRITES for name in names]
@@ -37,13 +37,13 @@ NAMES = [name for names in WRITES for name in names]
 
 @dataclass(frozen=True)
 class Block:
-    """One block: the line above it, and its code."""
+    """Hold a block: the line above it, and its code."""
 
     title: str
     code: str
 
     def named(self, kind: str) -> dict[str, int]:
-        """Resources of a kind with their registers or bindings; Samp is cut off their names."""
+        """Return the resources of a kind with their registers or bindings; a suffix Samp is removed from the names."""
         pattern = {
             "t": r"Texture2D (\w+) : register\(t(\d)\)",
             "s": r"sampler2D (\w+?)(?:Samp)? : register\(s(\d)\)",
@@ -54,12 +54,12 @@ class Block:
 
     @property
     def entry(self) -> str:
-        """Its entry point in HLSL and WGSL."""
+        """Return the name of its entry point in HLSL and WGSL."""
         return re.search(r"^(?:@\w+ fn|\w+) (\w+)\(", self.code, re.MULTILINE)[1]
 
 
 def header_blocks(language: str) -> list[Block]:
-    """The blocks at the top of a library: the vertex shader, then the three passes."""
+    """Return the blocks at the top of a library: the vertex shader, then the three passes."""
     text = shaders.file_text(language)
     paste = text[text.index("// PASTE: ") : text.index("// CONTENTS\n")]
     found = re.findall(r"^//   ((?:\d\. |Vertex ).*\n(?://   .*\n)*?)((?://          .*\n)+)", paste, re.MULTILINE)
@@ -71,27 +71,27 @@ def header_blocks(language: str) -> list[Block]:
 
 
 def document_blocks(document: Path, language: str) -> list[Block]:
-    """The blocks of a document, with the line above each as it reads without its markup."""
+    """Return the blocks of a document, each with the line above it without markup."""
     text = document.read_text(encoding="utf-8")
     found = re.findall(rf"^([^\n]+)\n\n```{language}\n(.*?)^```", text, re.MULTILINE | re.DOTALL)
     return [Block(re.sub(r"[*`]", "", title), code) for title, code in found]
 
 
 def test_readme_shows_the_header():
-    """The README's blocks are the GLSL library's, word for word, with what goes in and out of each."""
+    """Check that the README's blocks equal the GLSL library's, including the lines on inputs and outputs."""
     shown, wanted = document_blocks(README, "glsl"), header_blocks("glsl")
     assert [block.code for block in shown] == [block.code for block in wanted]
     assert [block.title for block in shown[1:]] == [block.title for block in wanted[1:]]
 
 
 def program(language: str, block: Block, *head: str) -> str:
-    """The lines of `head`, the library and a block."""
+    """Return the lines of `head`, the library and a block as one text."""
     return "\n".join([*head, shaders.file_text(language) + block.code])
 
 
 @pytest.mark.parametrize("version", ["#version 330", "#version 300 es", "#version 450"])
 def test_glsl_compiles(version):
-    """In each version that the header names."""
+    """Compile the blocks with each GLSL version that the header names."""
     vertex, *blocks = header_blocks("glsl")
     results = [glslang.parse(f"{version}\n{vertex.code}", "vert")]
     for result in results + [glslang.parse(program("glsl", block, version), "frag") for block in blocks]:
@@ -100,7 +100,7 @@ def test_glsl_compiles(version):
 
 @pytest.mark.parametrize("model", [4, 5, 6])
 def test_hlsl_compiles(model):
-    """The blocks for shader model 4 to 6, by fxc and by DXC."""
+    """Compile the blocks for shader models 4 to 6, with fxc and DXC."""
     for number, block in enumerate(header_blocks("hlsl")):
         text = program("hlsl", block, f"#define BOKEH_HLSL_SM {model}")
         if model < 6:
@@ -112,7 +112,7 @@ def test_hlsl_compiles(model):
 
 @cache
 def scene() -> dict[str, np.ndarray]:
-    """Every fourth pixel of the street: "color" (H, W, 4) float16, "depth" (H, W) float32, 0 .. 1."""
+    """Return every fourth pixel of the street: "color" (H, W, 4) float16, "depth" (H, W) float32, 0 to 1."""
     image = exr.read(paths.SCENES / "street_11_pin.exr")
     metres = np.clip(image.depth[::4, ::4].astype(np.float64), NEAR, FAR)
     stored = listings.stored_depth(metres, WINDOW, NEAR, FAR).astype(np.float32)
@@ -120,13 +120,13 @@ def scene() -> dict[str, np.ndarray]:
 
 
 def size() -> tuple[int, int]:
-    """(width, height)"""
+    """Return (width, height) of the scene."""
     height, width = scene()["depth"].shape
     return width, height
 
 
 def values() -> dict[str, tuple[float, ...]]:
-    """All variables of the blocks by name."""
+    """Return the values of all variables of the blocks by name."""
     diameter, length, distance = CAMERA.aperture_diameter, CAMERA.focal_length, CAMERA.focus_distance
     lens = {"apertureDiameter": (diameter,), "focalLength": (length,), "focusDistance": (distance,)}
     image = {"imageSize": tuple(map(float, size())), "rotation": (float(np.radians(17.0)),)}
@@ -134,12 +134,16 @@ def values() -> dict[str, tuple[float, ...]]:
 
 
 def targets(driver, names: Sequence[str]) -> list[tuple]:
-    """(name, texture) of what a block writes, of an OpenGL or WebGPU driver."""
+    """Return (name, texture) for the targets of a block on an OpenGL or WebGPU driver."""
     return [(name, driver.texture(Image(name, size(), "half", 4))) for name in names]
 
 
 def on_opengl(vertex: Block, *blocks: Block) -> dict[str, bytes]:
-    """GLSL 3.30. A linear filter everywhere: what is fetched texel by texel must not care."""
+    """Run the blocks in GLSL 3.30 with a linear filter everywhere, which must not affect what is fetched texel by
+    texel.
+
+    Returns target -> its bytes.
+    """
     driver = load("osmesa")
     driver.make_current()
     context = driver.context
@@ -161,10 +165,12 @@ def on_opengl(vertex: Block, *blocks: Block) -> dict[str, bytes]:
 
 
 def on_webgpu(name: str, build: Callable, vertex: Block, *blocks: Block) -> dict[str, bytes]:
-    """A driver of WebGPU with the layout 'auto', on a device that cannot filter 32-bit textures.
+    """Run the blocks on WebGPU with the layout 'auto', on a device that cannot filter 32-bit textures.
 
-    build   (driver, linear sampler, vertex shader, block) -> its two stages, and binding -> what is bound there:
-            the name of a texture, or what WebGPU takes
+    name   of the driver
+    build  (driver, linear sampler, vertex shader, block) -> its two stages, and binding -> what is bound there: the
+    name of a texture, or a WebGPU resource
+    Returns target -> its bytes.
     """
     driver = copy(load(name))
     device = driver.device = driver.device.adapter.request_device_sync(required_features=[])
@@ -201,7 +207,7 @@ def on_webgpu(name: str, build: Callable, vertex: Block, *blocks: Block) -> dict
 
 
 def wgsl_stages(driver, linear, vertex: Block, block: Block) -> tuple[dict, dict, dict[int, object]]:
-    """See on_webgpu: one module with both, variables in a buffer."""
+    """Return what on_webgpu() needs: one module with both stages, and a buffer with the variables."""
     device = driver.device
     module = device.create_shader_module(code=program("wgsl", Block("", vertex.code + block.code)))
     struct = re.search(r"struct (?:Camera|Aperture) ([^}]*)", block.code)[1]
@@ -219,7 +225,9 @@ def wgsl_stages(driver, linear, vertex: Block, block: Block) -> tuple[dict, dict
 
 
 def hlsl_stages(driver, linear, vertex: Block, block: Block) -> tuple[dict, dict, dict[int, object]]:
-    """See on_webgpu: the text for shader model 5 as DXC compiles it; fxc compiles it in test_hlsl_compiles."""
+    """Return what on_webgpu() needs: the text for shader model 5, compiled by DXC; test_hlsl_compiles compiles it with
+    fxc.
+    """
 
     def stage(kind: str, one: Block) -> dict:
         text = with_values(program("hlsl", one, "#define BOKEH_HLSL_SM 5"))
@@ -232,7 +240,7 @@ def hlsl_stages(driver, linear, vertex: Block, block: Block) -> tuple[dict, dict
 
 
 def with_values(code: str) -> str:
-    """HLSL with its variables as constants: no driver sets others than the parameters of the library."""
+    """Return HLSL with its variables as constants, since drivers set only the library's parameters."""
 
     def constant(found: re.Match) -> str:
         kind, names = found.groups()
@@ -243,7 +251,9 @@ def with_values(code: str) -> str:
 
 
 def on_direct3d_9(*blocks: Block) -> dict[str, bytes]:
-    """HLSL of shader model 3, compiled by fxc, with the vertex shader of the library."""
+    """Run the blocks in HLSL of shader model 3, compiled by fxc, with the library's vertex shader; returns target ->
+    its bytes.
+    """
     driver = load("d3d9")
     driver.ask("clear")
     driver.ask("vertex", driver.shader("vs", "BokehFullScreen_VS", {}))
@@ -260,7 +270,7 @@ def on_direct3d_9(*blocks: Block) -> dict[str, bytes]:
         code = fxc.bytecode(with_values(program("hlsl", block, "#define BOKEH_HLSL_SM 3")), "ps_3_0", block.entry)
         shutil.copy(code, driver.server.folder)
         driver.ask("pixel", code.name)
-        # its filter is what the line above the block asks for
+        # use the filter that the line above the block asks for
         kind = "nearest" if "nearest" in block.title else "linear"
         slots = block.named("s")
         assert set(slots) == set(reads)
@@ -281,7 +291,7 @@ RUNS = {
 
 
 def model_3_blocks() -> list[Block]:
-    """Those of the guide of Direct3D 9."""
+    """Return the blocks of the Direct3D 9 guide."""
     blocks = document_blocks(paths.ROOT / "integration/direct3d9/README.md", "hlsl")
     blocks = [block for block in blocks if re.match(r"\d\. ", block.title)]
     if not blocks:
@@ -291,8 +301,10 @@ def model_3_blocks() -> list[Block]:
 
 @pytest.mark.parametrize("name", RUNS)
 def test_the_chain_runs(name):
-    """From a depth buffer and HDR colour to the blurred picture, as pasted: the reference's at the library's default,
-    pass by pass within its acceptance interval, the picture within the bounds in steps too.
+    """Check the pasted chain from a depth buffer and HDR colour to the blurred image.
+
+    Each pass must be within the reference's interval at the library's defaults, and the result within the bounds in
+    steps too.
     """
     driver, run = RUNS[name]
     driver, (width, height), pixels = load(driver), size(), run()
@@ -308,6 +320,6 @@ def test_the_chain_runs(name):
         comparison = metrics.compare(outputs[name], images[name], driver.software and name == "result")
         assert comparison.ok, (name, comparison)
     found, wanted = outputs["result"], images["result"]
-    # there is something to compare: the picture is blurred, and its CoC has both signs
+    # there is something to compare: the image is blurred, and its CoC has both signs
     assert metrics.compare(scene()["color"], wanted, driver.software).outside > 0.5 * width * height
     assert found[..., 3].min() < -1.0 / height and found[..., 3].max() > 1.0 / height

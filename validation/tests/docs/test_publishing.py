@@ -1,4 +1,4 @@
-"""docs/publishing.md: one version in every manifest, the licence in every folder that is installed, archives."""
+"""Check docs/publishing.md: one version in every manifest, the licence in every installed folder, and the archives."""
 
 import json
 import re
@@ -19,7 +19,7 @@ PAGE = (paths.ROOT / "docs/publishing.md").read_text(encoding="utf-8")
 
 
 def test_version():
-    """One version: that of validation/run --version, in every manifest and shader."""
+    """Check that every manifest and shader has the version that validation/run --version prints."""
     crates = ("bevy", "wgpu")
     found = {
         name: tomllib.loads((INTEGRATION / name / "Cargo.toml").read_text())["package"]["version"] for name in crates
@@ -45,13 +45,15 @@ def test_version():
      "unreal/BokehDepthOfField/LICENSE", "godot/addons/polygon_bokeh/LICENSE"],
 )  # fmt: skip
 def test_licence(place):
-    """A folder that is installed by itself has the licence in it."""
+    """Check that a folder which is installed by itself contains the licence."""
     assert (INTEGRATION / place).read_bytes() == (paths.ROOT / "LICENSE").read_bytes()
 
 
 @pytest.mark.parametrize("line", re.findall(r"^python3 (-m zipfile .*)$", PAGE, re.MULTILINE))
 def test_archives(line, tmp_path):
-    """The page's commands pack files as they are, without folders above what is installed, and with the licence."""
+    """Check that the page's commands pack files unchanged, without parent folders of what is installed, and with the
+    licence.
+    """
     arguments = shlex.split(line)
     archive, sources = tmp_path / arguments[3], arguments[4:]
     done = subprocess.run([sys.executable, *arguments[:3], archive, *sources], cwd=paths.ROOT, capture_output=True)
@@ -65,7 +67,9 @@ def test_archives(line, tmp_path):
 
 
 def test_reshade_archive(tmp_path):
-    """The archive has one folder, Shaders, and in it the effect with all that it includes but ReShade's header."""
+    """Check that the archive has one folder, Shaders, with the effect and all that it includes except ReShade's own
+    header.
+    """
     (line,) = [line for line in re.findall(r"^python3 (-m zipfile .*)$", PAGE, re.MULTILINE) if "reshade" in line]
     arguments = shlex.split(line)
     archive = tmp_path / "archive.zip"
@@ -79,7 +83,7 @@ def test_reshade_archive(tmp_path):
 
 
 def parsed(name: str, text: str) -> dict:
-    """The fields of a manifest of integration/, by the store's own format."""
+    """Return the fields of a manifest of integration/, parsed in its store's format."""
     if name.endswith((".json", ".uplugin")):
         return json.loads(text)
     if name.endswith(".toml"):
@@ -90,7 +94,7 @@ def parsed(name: str, text: str) -> dict:
 
 UPLUGIN = "unreal/BokehDepthOfField/BokehDepthOfField.uplugin"
 CRATE = {"name", "version", "edition", "description", "license", "readme", "keywords", "categories"}
-# Manifest below integration/ -> the fields that its store requires or shows, without addresses; and those
+# Manifest below integration/ -> the fields that its store requires or shows, without addresses; and the addresses
 STORES = {
     "web/package.json": (
         {"name", "version", "description", "keywords", "license", "author", "exports", "files"},
@@ -118,7 +122,7 @@ STORES = {
 
 @pytest.mark.parametrize("name", STORES)
 def test_fields(name):
-    """The fields that a store requires or shows, none of them empty."""
+    """Check that the fields which a store requires or shows are present and not empty."""
     found = parsed(name, (INTEGRATION / name).read_text(encoding="utf-8"))
     assert {field for field in STORES[name][0] if not found.get(field)} == set()
     author = found.get("author") or found.get("CreatedBy") or found.get("authors")
@@ -128,7 +132,9 @@ def test_fields(name):
 
 
 def test_rules_of_the_stores():
-    """What registries refuse: long or many keywords, unknown categories, names in another form, no platforms."""
+    """Check for what registries refuse: long or many keywords, unknown categories, malformed names,
+    missing platforms.
+    """
     for name in ("bevy/Cargo.toml", "wgpu/Cargo.toml"):
         found = parsed(name, (INTEGRATION / name).read_text(encoding="utf-8"))
         assert len(found["keywords"]) <= 5 and len(found["categories"]) <= 5
@@ -148,7 +154,7 @@ def test_rules_of_the_stores():
 
 
 def test_reshade_entry():
-    """The entry of ReShade's list has the keys of all entries there, and names the effect that the archive has."""
+    """Check that the entry for ReShade's list has all of its keys, and names the effect in the archive."""
     (entry,) = re.findall(r"^```ini\n\[NN\]\n(.*?)^```$", PAGE, re.MULTILINE | re.DOTALL)
     found = dict(line.split("=", 1) for line in entry.splitlines())
     wanted = "PackageName PackageDescription InstallPath TextureInstallPath DownloadUrl RepositoryUrl EffectFiles"
@@ -162,7 +168,7 @@ ADDRESS = "https://example.com/owner/polygonal-bokeh"
 
 
 def test_repository(monkeypatch, tmp_path):
-    """The option writes the addresses to every manifest; another address takes the place of the first."""
+    """Check that the option writes the addresses to every manifest, replacing those of an earlier call."""
     for given in (f"{ADDRESS}-before/", f"{ADDRESS}.git"):
         texts = manifests.with_repository(given)
         for name, text in texts.items():
@@ -182,13 +188,13 @@ def test_repository(monkeypatch, tmp_path):
 
 @pytest.mark.parametrize("address", ["", "example.com/owner/name", "https://example.com", "https://a b/c", "git@a:b/c"])
 def test_repository_refused(address):
-    """What is no address of a repository's page."""
+    """Refuse anything that is not the address of a repository's page."""
     with pytest.raises(UserError, match="not an address"):
         manifests.with_repository(address)
 
 
 def test_names_of_archives():
-    """The page's names of archives begin with the packages' own names."""
+    """Check that archive names on the page begin with the packages' names."""
     for name, archive in {
         "panda3d/pyproject.toml": "polygonal_bokeh_panda3d-$V-py3-none-any.whl",
         "web/package.json": "polygonal-bokeh-$V.tgz",

@@ -1,7 +1,7 @@
-"""The Unity and Unreal packages, which cannot run here: compiled against the stand-ins of validation/stubs.
+"""Compile the Unity and Unreal packages, which cannot run here, against the stand-ins of validation/stubs.
 
-Nothing is run, and a stand-in that is wrong is not found. What two languages of a package must agree on, no compiler
-sees; what of that `generate` does not write is compared here.
+Nothing is run, and a wrong stand-in goes unnoticed. No compiler checks what two languages of a package must agree on;
+the parts of that which `generate` does not write are compared here.
 """
 
 import json
@@ -35,14 +35,14 @@ SHADERS = {
     "unity": UNITY / "Shaders/BokehDepthOfField.shader",
     "unreal": PLUGIN / "Shaders/BokehDepthOfField.usf",
 }
-# What shaders are compiled to, by fxc and by DXC; and the presets, by the quicker one
+# Targets of fxc and DXC for the shaders; and the presets, with the quicker compiler
 BUILDS = [(target, "") for target in ("ps_4_0", "ps_5_0", "SPIR-V", "DXIL")]
 BUILDS += [("SPIR-V", preset) for preset in ("LOW", "HIGH", "ULTRA")]
 INCLUDE = re.compile(r'^[ \t]*#[ \t]*(?:include[ \t]+"([^"]+)"|pragma[ \t]+once)[^\n]*$', re.MULTILINE)
 
 
 def text(path: Path) -> str:
-    """A file of a package."""
+    """Return the text of a file of a package."""
     return path.read_text(encoding="ascii")
 
 
@@ -51,7 +51,7 @@ def text(path: Path) -> str:
 
 @cache
 def source(engine: str) -> str:
-    """What all entries share, with what it includes, each file once: of Unity's shader the part in HLSL."""
+    """Return what all entries of a package share, with each included file once; of Unity's shader, the HLSL part."""
     shader, stubs = text(SHADERS[engine]), STUBS / engine
     found = {path.relative_to(stubs).as_posix(): path for path in stubs.rglob("*") if path.is_file()}
     found |= {f"/{name}": path for name, path in found.items()}
@@ -65,7 +65,7 @@ def source(engine: str) -> str:
 
 @cache
 def entries(engine: str) -> list[str]:
-    """The pixel shaders that a package names."""
+    """Return the pixel shaders that a package names."""
     named = (
         text(SHADERS["unity"]) if engine == "unity" else text(EXTENSION) + text(EXTENSION.with_name("BokehFrames.h"))
     )
@@ -73,7 +73,7 @@ def entries(engine: str) -> list[str]:
 
 
 def compiled(source: str, target: str, entry: str, stage: str = "frag") -> CompileResult:
-    """For a target of BUILDS."""
+    """Compile an entry for a target of BUILDS."""
     with needed(target):
         if target.startswith("ps_"):
             return fxc.build(source, stage, entry, int(target[3]))
@@ -83,7 +83,7 @@ def compiled(source: str, target: str, entry: str, stage: str = "frag") -> Compi
 @pytest.mark.parametrize(("target", "preset"), BUILDS)
 @pytest.mark.parametrize("engine", SHADERS)
 def test_shader(engine, target, preset):
-    """Every pass, without a warning."""
+    """Compile every pass without a warning."""
     quality = ["LOW", "", "HIGH", "ULTRA"].index(preset)
     define = (
         f"#define BOKEH_PRESET_{preset} 1\n" if preset and engine == "unity" else f"#define BOKEH_QUALITY {quality}\n"
@@ -94,13 +94,13 @@ def test_shader(engine, target, preset):
 
 
 def test_unity_vertex():
-    """The triangle that all passes draw."""
+    """Compile the vertex shader of the triangle that all passes draw."""
     result = compiled(source("unity"), "ps_5_0", "FullScreenVertex", "vert")
     assert result.ok and not result.messages
 
 
 def test_unity_shader_refuses_texture_arrays():
-    """Single-pass instanced stereo, where the camera's textures are arrays: told in one line."""
+    """Check that single-pass instanced stereo, where the camera's textures are arrays, gives an error with advice."""
     result = compiled(f"#define STUB_STEREO\n{source('unity')}", "ps_5_0", "BokehDebug_PS")
     assert not result.ok and "multi-pass" in result.messages
 
@@ -109,7 +109,12 @@ def test_unity_shader_refuses_texture_arrays():
 
 
 def check_compiled(program: str, package: str, arguments: list[str], files: dict[str, str]) -> None:
-    """Without a warning. `files` are what is there, by name; those that are not headers are compiled."""
+    """Compile without a warning.
+
+    program    command of the compiler
+    package    Debian package that has it
+    files      name -> text of the available files; all except headers are compiled
+    """
     names = [name for name in files if not name.endswith(".h")]
     compiler = tool.Tool(program, f"{needs.APT} {package}")
     with needed(program):
@@ -125,7 +130,7 @@ CSHARP = {
 
 @pytest.mark.parametrize("engine", CSHARP)
 def test_csharp(engine):
-    """The classes of Unity's package and its samples, and the plug-in's Build.cs."""
+    """Compile the classes of Unity's package and its samples, and the plug-in's Build.cs."""
     files = {path.name: text(path) for path in CSHARP[engine]}
     options = ["-target:library", "-warnaserror", "-out:out.dll"]
     for editor in ([], ["-define:UNITY_EDITOR"]):
@@ -134,7 +139,7 @@ def test_csharp(engine):
 
 @pytest.mark.parametrize("minor", [6, 8])
 def test_unreal_classes(minor):
-    """Both C++ files of the plug-in, syntax and types only, with one stand-in for all headers of an engine 5.x."""
+    """Check syntax and types of the plug-in's C++ files, with one stand-in for all headers of Unreal Engine 5.x."""
     own = [path for path in MODULE.rglob("*") if path.suffix in (".h", ".cpp")]
     files = {path.name: re.sub('#include "(?!Bokeh).*', "", text(path)) for path in own}
     files["Unreal.h"] = text(STUBS / "unreal/Unreal.h")
@@ -147,8 +152,10 @@ def test_unreal_classes(minor):
 
 
 def test_unreal():
-    """The .uplugin names the module and loads it before shaders are looked for; the classes have all passes, and the
-    shader's own uniforms by name and type in the parameter struct.
+    """Compare the parts of the plug-in.
+
+    The .uplugin names the module and loads it before the engine looks for shaders. The classes have all passes, and
+    the parameter struct has the shader's own uniforms by name and type.
     """
     (module,) = json.loads(text(PLUGIN / "BokehDepthOfField.uplugin"))["Modules"]
     assert module["Name"] == MODULE.name and module["LoadingPhase"] == "PostConfigInit"
@@ -163,8 +170,9 @@ def test_unreal():
 
 
 def test_unity_package():
-    """A .meta for every file and folder, no GUID twice, none without its file; else Unity leaves files out of a package
-    that it may not write to. Samples are where the package says.
+    """Check that every file and folder has a .meta with a unique GUID, and that samples are where the package says.
+
+    Unity ignores files without a .meta in a package that it may not write to.
     """
     names = [path.relative_to(UNITY).as_posix() for path in UNITY.rglob("*")]
     metas = {name for name in names if name.endswith(".meta")}
@@ -177,7 +185,9 @@ def test_unity_package():
 
 
 def test_unity_presets():
-    """A material for each preset, with the shader's GUID and its keyword: a build has the variants that it uses."""
+    """Check that each preset has a material with the shader's GUID and its keyword, so that builds include its
+    variant.
+    """
     shader = text(SHADERS["unity"])
     (keywords,) = re.findall(r"#pragma shader_feature_local_fragment _ (.*)", shader)
     assert "multi_compile" not in shader and shader.count("#pragma fragment") == len(copies.drawn()) == 31
@@ -196,7 +206,9 @@ def test_unity_presets():
 
 
 def test_unity_waits_for_a_volume():
-    """Strength is 0 where no volume overrides it, and nothing is drawn without the camera's post-processing."""
+    """Check that strength is 0 unless a volume overrides it, and that nothing is drawn without the camera's
+    post-processing.
+    """
     volume, feature = (text(UNITY / f"Runtime/{name}.cs") for name in ("BokehVolume", "BokehRendererFeature"))
     assert "strength = new ClampedFloatParameter(0.0f, 0.0f, 1.0f);" in volume
     assert "return strength.value > 0.0f && bokehScale.value > 0.0f;" in volume
@@ -209,7 +221,7 @@ def test_unity_waits_for_a_volume():
 
 @pytest.mark.parametrize(("blades", "sides"), [(3, 4), (4, 4), (5, 6), (6, 6), (7, 8), (8, 8), (9, 10), (11, 10)])
 def test_unity_blades(blades, sides):
-    """A physical camera's blades -> sides of the polygon, by the formula in the source."""
+    """Check the formula in the source that maps a physical camera's blades to the polygon's sides."""
     feature = text(UNITY / "Runtime/BokehRendererFeature.cs")
     (lowest, highest, formula) = re.search(r"Mathf\.Clamp\((.*), (\d+), (\d+)\);", feature).group(2, 3, 1)
     value = eval(formula.replace("camera.bladeCount", str(blades)).replace("/", "//"), {"__builtins__": {}})
@@ -217,7 +229,9 @@ def test_unity_blades(blades, sides):
 
 
 def test_unreal_camera():
-    """The lens: the camera's values where its depth of field is on, in metres; a console variable above 0 overrides."""
+    """Check the lens: the camera's values in metres if its depth of field is on; a console variable above 0 overrides
+    them.
+    """
     source = text(EXTENSION)
     lens = source.partition("struct FBokehLens")[2].partition("\n};")[0]
     taken = dict(re.findall(r"^            (\w+) = (.*);$", lens, re.MULTILINE))
@@ -243,5 +257,5 @@ def test_unreal_camera():
     )
     overridden = re.findall(r"Override\((\w+), Setting(\w+)\.GetValueOnRenderThread\(\)\);", lens)
     assert dict(overridden) == {name: name for name in found}
-    # 0 where nothing was set
+    # 0 means that the console variable was not set
     assert all(re.search(rf"^BOKEH_SETTING\(\w+, {name}, 0(\.0f)?, ", source, re.MULTILINE) for name in found)

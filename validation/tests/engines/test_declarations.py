@@ -1,4 +1,4 @@
-"""The .d.ts files of the npm package declare the options and uniforms that its JavaScript has, no more and no fewer."""
+"""Check that the .d.ts files of the npm package declare exactly the options and uniforms of its JavaScript."""
 
 import re
 
@@ -8,49 +8,51 @@ WEB = paths.ROOT / "integration/web"
 
 
 def members(file: str, interface: str) -> set[str]:
-    """Names that an interface declares itself, without comments."""
+    """Return the names that an interface itself declares, ignoring comments."""
     text = re.sub(r"/\*.*?\*/", "", (WEB / file).read_text(encoding="utf-8"), flags=re.DOTALL)
     body = re.search(rf"interface {interface}\b[^{{]*\{{\n(.*?)^\}}", text, re.MULTILINE | re.DOTALL)[1]
     return set(re.findall(r"^  (\w+)\??: ", body, re.MULTILINE))
 
 
 def keys(file: str, name: str) -> set[str]:
-    """Names of an object `const NAME = { .. }`, also those one object deeper."""
+    """Return the names in an object `const NAME = { .. }`, including those one level deeper."""
     text = re.sub(r"//.*", "", (WEB / file).read_text(encoding="utf-8"))
     body = re.search(rf"const {name} = \{{(.*?)\}};", text, re.DOTALL)[1]
     return set(re.findall(r"(\w+):", body))
 
 
 def extras() -> set[str]:
-    """Uniforms of EXTRAS, without the names of the extras."""
+    """Return the uniforms in EXTRAS, without the names of the extras."""
     text = (WEB / "common.js").read_text(encoding="utf-8")
     body = re.search(r"const EXTRAS = \{\n(.*?)^\};", text, re.MULTILINE | re.DOTALL)[1]
     return {name for inner in re.findall(r"\{(.*?)\}", body) for name in re.findall(r"(\w+):", inner)}
 
 
 def test_options():
-    """Of all engines: CHOICES; what a class has beside them: its own list of choices."""
+    """Check the options of all engines against CHOICES, and those of three.js against its own list of choices."""
     assert members("common.d.ts", "Options") == keys("common.js", "CHOICES")
     assert members("three-common.d.ts", "ThreeOptions") == keys("three-common.js", "THREE_CHOICES")
 
 
 def test_uniforms():
-    """What is to be set from outside."""
+    """Check the uniforms that users set."""
     assert members("common.d.ts", "Lens") == keys("common.js", "LENS") | extras()
 
 
 def strings(file: str, name: str) -> set[str]:
-    """Of a list `const NAME = [ .. ];`."""
+    """Return the strings in a list `const NAME = [ .. ];`."""
     text = (WEB / file).read_text(encoding="utf-8")
     return set(re.findall(r"'(\w+)'", re.search(rf"const {name} = \[(.*?)\];", text)[1]))
 
 
 def test_react():
-    """The properties that the components take beside uniforms: options, those of the lens, and those of their own."""
+    """Check the properties that the React components take besides uniforms: options, those of the lens,
+    and their own.
+    """
     options = members("common.d.ts", "Options") | members("three-common.d.ts", "ThreeOptions")
     lens, react = strings("react-common.js", "OTHERS"), {"ref"}
     assert strings("react.js", "OPTIONS") == options
-    # a uniform of the pass, which all that is left over is
+    # a uniform of the pass, like every property that is left over
     assert members("react.d.ts", "PolygonBokehProps") - {"debugMode"} == lens | react
     node = members("three-webgpu.d.ts", "NodeOptions")
     assert strings("react-webgpu.js", "OPTIONS") == options | node
@@ -62,7 +64,9 @@ def test_react():
 
 
 def test_engine_options():
-    """What Babylon.js has beside the common options is in its JavaScript's list; PlayCanvas has those alone."""
+    """Check that Babylon.js's additional options are in its JavaScript's list, and that PlayCanvas has only the common
+    ones.
+    """
     text = (WEB / "babylon.js").read_text(encoding="utf-8")
     choices = re.search(r"\{\s*\.\.\.CHOICES,(.*?)\}", text, re.DOTALL)[1]
     assert members("babylon.d.ts", "BabylonOptions") == set(re.findall(r"(\w+):", choices))

@@ -1,4 +1,4 @@
-"""Every engine sample: run with its own colour and depth, and within the interval of the reference."""
+"""Run every engine sample on its own colour and depth, and check that results are within the reference's interval."""
 
 import json
 import re
@@ -18,9 +18,9 @@ from bokeh_validation.errors import Unavailable
 EXACT = {("exact", "hexagon"), ("exact", "octagon")}
 PAPER = {("paper", "hexagon"), ("paper", "octagon")}
 WITHOUT_PAPER = ("babylonjs-webgl", "babylonjs-webgpu", "love", "ogre", wgpu.NAME, *vulkan.NAMES)
-# Godot's autofocus is in test_godot.py; Vulkan's scene is one picture
+# Samples whose autofocus is not checked here: test_godot.py covers Godot's, and Vulkan's scene is a single image
 WITHOUT_PULL = ("godot", *vulkan.NAMES)
-# Vertical field of view in degrees, f-stop: what the sample's lens is made of
+# Vertical field of view in degrees and f-stop from which the sample's lens is made
 LENSES = {
     **dict.fromkeys(("opengl", "panda3d"), (16.071, 1.4)),
     **dict.fromkeys(("raylib", "love", "ogre", "jmonkeyengine"), (27.0, 0.2)),
@@ -32,28 +32,31 @@ LENSES = {
 
 
 def check_shots(capture):
-    """Each is within the interval."""
+    """Check that each shot is within its interval."""
     outside = {shot.name: f"{shot.comparison}, {shot.outside}" for shot in capture.shots if shot.comparison.outside}
     assert capture.shots and not outside, outside
 
 
 def check_lens(camera, fovy, stop):
-    """f from the field of view, A from the f-stop: docs/lens.md."""
+    """Check that f follows from the field of view (degrees) and A from the f-stop, as in docs/lens.md."""
     focal_length = camera.sensor_height / (2.0 * tan(0.5 * radians(fovy)))
     assert camera.focal_length == pytest.approx(focal_length, rel=1e-4)
     assert camera.aperture_diameter == pytest.approx(focal_length / stop, rel=1e-4)
 
 
 def check_pull(folder, metres):
-    """Autofocus on points of the screen, frame by frame: "pull" of capture.json, by docs/lens.md.
+    """Check the autofocus frame by frame: "pull" of capture.json, by docs/lens.md.
 
-    metres     (H, W), what the last shot's depth is
+    folder  of the capture
+    metres  (H, W) depth of the last shot
 
-    depths     of places in the world, or
-    points     (u, v, depth that the sample found there): within the depths of the 3 x 3 pixels around it, since a ray
-               does not go through a pixel's centre
-    distances  after each frame of `frame` seconds, from `from` (else the camera's) towards the
-               nearest of the points, with `seconds` as time constant; float32
+    The entries of "pull" are:
+
+    depths     of points in the world, or
+    points     (u, v, depth that the sample found there): it must lie within the depths of the 3 x 3 pixels around it,
+    since a ray need not pass through a pixel's centre
+    distances  after each frame of `frame` seconds, from `from` (else the camera's) towards the nearest of the points,
+    with the time constant `seconds`; float32
     """
     data = json.loads((folder / "capture.json").read_text(encoding="utf-8"))
     size = metres.shape
@@ -78,9 +81,11 @@ def check_pull(folder, metres):
 @pytest.mark.timeout(4000)
 @pytest.mark.parametrize("name", samples(engines.ENGINES))
 def test_sample(name, request, hand_over):
-    """Hexagon and octagon, exact and mostly paper, the layered hexagon where it is the default, on what was drawn.
+    """Run a sample and check hexagon and octagon by exact and usually paper, and the layered hexagon, which is its
+    default.
 
-    Once, until something changes (support_inputs.py); a slow one where it has been built, or with --all.
+    It is skipped until something changes (support_inputs.py). A slow sample runs only if it was built before, or with
+    --all.
     """
     asked = request.config.getoption("--all") or request.config.getoption("--report")
     if name in engines.SLOW and not asked and not bevy.built():
@@ -119,12 +124,12 @@ bokeh-bevy = {{ {} = "{}" }}
 @pytest.mark.timeout(4000)
 @pytest.mark.parametrize("way", ["path", "git"])
 def test_bevy_dependency(way, request):
-    """An empty project builds with the guide's program and the crate's folder, of which nothing else is there."""
+    """Build an empty project with the guide's program and a copy of the crate's folder alone."""
     if not request.config.getoption("--all"):
         pytest.skip("--all builds it")
     with needed("bevy"):
         crate = cargo.copied(bevy.NAME)
-        # always the same place: Cargo keeps what it built by it
+        # always the same path, by which Cargo recognises what it has built
         project, place = crate.parent / f"by-{way}", str(crate)
         shutil.rmtree(project, ignore_errors=True)
         if way == "git":
@@ -143,7 +148,7 @@ def test_bevy_dependency(way, request):
 @of_sample(wgpu.NAME)
 @pytest.mark.timeout(1200)
 def test_wgpu_crate():
-    """The crate's own tests pass, and its documentation has no warning."""
+    """Run the crate's own tests, and build its documentation without warnings."""
     with needed(wgpu.NAME):
         extra, crate = wgpu.environment(), cargo.copied(wgpu.NAME)
         said = cargo.build(wgpu.NAME, crate, command="test", extra=extra)
@@ -154,7 +159,9 @@ def test_wgpu_crate():
 @of_sample(wgpu.NAME)
 @pytest.mark.timeout(1200)
 def test_wgpu_program(tmp_path):
-    """An empty project with the guide's commands and its program, of at most 25 lines, writes a picture."""
+    """Build an empty project with the guide's commands and its program, at most 25 lines, and check the image that it
+    writes.
+    """
     with needed(wgpu.NAME):
         crate = cargo.copied(wgpu.NAME)
         guide = (crate / "README.md").read_text(encoding="utf-8")
@@ -171,6 +178,6 @@ def test_wgpu_program(tmp_path):
         with Image.open(tmp_path / "lamps.png") as picture:
             pixels = np.asarray(picture.convert("RGB")).astype(int)
     bright = pixels.max(axis=2) > 120
-    # each lamp lies in its column of 120 pixels; the fourth is in focus, of 3 x 3 pixels, the first is the widest
+    # each lamp is in its own column of 120 pixels; the fourth is in focus with 3 x 3 pixels, the first is the widest
     areas = [int(bright[:, 120 * i : 120 * (i + 1)].sum()) for i in range(8)]
     assert areas[3] == 9 and min(areas) == 9 and max(areas) == areas[0] > 1000, areas

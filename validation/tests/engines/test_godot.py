@@ -1,4 +1,4 @@
-"""integration/godot: what its guide says of shaders, colour, depth, focus, debug views and frames is so."""
+"""Check what integration/godot's guide says of shaders, colour, depth, focus, debug views and frames."""
 
 from math import exp, radians, tan
 
@@ -16,12 +16,15 @@ pytestmark = of_sample("godot")
 
 @pytest.fixture(scope="module")
 def sample():
+    """Open the sample, or skip the tests if it cannot run here."""
     with needed("Godot"), godot.opened() as opened:
         yield opened
 
 
 def test_click_and_key(sample):
-    """A click focuses on the front of the box, a key shows the CoC; without the node all is as it was."""
+    """Check that a click focuses on the front of the box and a key shows the CoC; without the node the scene is
+    unchanged.
+    """
     said = sample.call("interaction", None)
     assert 5.8 < said["focus"] < 6.5
     assert said["view"] == 2
@@ -32,18 +35,19 @@ def test_click_and_key(sample):
 
 @pytest.fixture(scope="module")
 def scenes(sample):
+    """Return colour, depth and CoC of the scene with each projection."""
     return sample.call("scenes", None)
 
 
 @pytest.mark.parametrize("projection", ["perspective", "orthogonal"])
 def test_color_and_depth(scenes, projection):
-    """What the first pass reads is what Godot drew: colour without its sRGB, and what a ray meets.
+    """Check that the first pass reads what Godot drew: colour without its sRGB curve, and the depth that a ray meets.
 
-    Colour: Godot's own formula the other way round, by pow, which is exp2(2.4 log2(x)): log2 is off by 3 ULP, which for
-    16 > x > 1/32 is 3 * 2^-21, times 2.4 is 7.2 * 2^-21 = 3.4e-6, with exp2's 3 + 2 * 10 ULP (2.8e-6) less than 2^-17;
-    and the store as a half float, 2^-11 (2^-10 where a device cuts off).
-    Depth: 1 + unit / metres as a half float, off by 2^-11 of itself, 2^-10 where it is cut off, so unit / metres by
-    2^-10 (1 + metres / unit); and the depth buffer's 24 bits, with a near plane of 0.1 and 16 m 2^-24 * 160.
+    Colour: the inverse of Godot's formula, by pow, which is exp2(2.4 log2(x)). log2 is off by 3 ULP, which is 3 *
+    2^-21 for 16 > x > 1/32; times 2.4 it is 7.2 * 2^-21 = 3.4e-6, and with exp2's 3 + 2 * 10 ULP (2.8e-6) less than
+    2^-17. The store as a half float adds 2^-11 (2^-10 on a device that truncates).
+    Depth: 1 + unit / metres as a half float is off by 2^-11 of itself, or 2^-10 if truncated, so unit / metres is off
+    by 2^-10 (1 + metres / unit). The depth buffer's 24 bits add 2^-24 * 160 for a near plane of 0.1 and 16 m.
     """
     found = scenes[projection]
     scene, coc = (pixels(found[name]).astype(np.float64) for name in ("scene", "coc"))
@@ -57,7 +61,7 @@ def test_color_and_depth(scenes, projection):
 
 
 def test_debug_views(sample):
-    """Depth, circle of confusion, near and far field, as section [9] has them, in sRGB."""
+    """Check depth, circle of confusion, and near and far field against the definitions of section [9], in sRGB."""
 
     def linear(shown):
         value = shown.astype(np.float64)
@@ -67,9 +71,9 @@ def test_debug_views(sample):
 
 
 def test_pull(sample):
-    """Autofocus takes the nearest of its points, and goes there by docs/lens.md.
+    """Check that autofocus takes the nearest of its points and approaches it as in docs/lens.md.
 
-    A step is that of float32; the reciprocal and the distance are each kept as a sum of two half floats, 2^-22.
+    A step is one of float32; the reciprocal and the distance are each stored as a sum of two half floats, 2^-22.
     """
     said = sample.call("pull", None)
     metres = pixels(said["depth"])
@@ -85,7 +89,7 @@ def test_pull(sample):
 
 
 def test_no_frame_late(sample):
-    """All passes are drawn in their order: the first frame after a change is as any later one."""
+    """Check that passes are drawn in order: the first frame after a change equals any later one."""
     said = sample.call("latency", None)
     before, first, later = (pixels(said[name]) for name in ("before", "first", "later"))
     assert abs(before.astype(float) - first).max() > 0.1
@@ -93,7 +97,7 @@ def test_no_frame_late(sample):
 
 
 def test_warnings(sample):
-    """A node that is no camera's child, or has sides that paper lacks, says so in the editor."""
+    """Check the editor's warnings for a node that is no child of a camera, and for sides that paper lacks."""
     said = sample.call("warnings", None)
     assert said["right"] == []
     assert [any(word in text for text in said["wrong"]) for word in ("Camera3D", "6 or 8")] == [True, True]
@@ -101,7 +105,7 @@ def test_warnings(sample):
 
 
 def test_compositor_script(sample):
-    """The effect for Forward+ and Mobile is a script without an error; its passes are drawn nowhere here."""
+    """Check that the effect for Forward+ and Mobile is a valid script; its passes are not drawn here."""
     with pytest.raises(browser.Refused, match=r"^WARNING: PolygonBokehEffect needs the Forward\+ or Mobile renderer;"):
         sample.call("compositor", None)
     said = sample.call("compositor", None)

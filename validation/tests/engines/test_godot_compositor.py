@@ -1,5 +1,7 @@
-"""Godot's effect for Forward+ and Mobile, which cannot run here: its shader is split and compiled as Godot's importer
-does it, its passes are those of the frame, and OpenGL draws them with the picture of the harness as the result.
+"""Check Godot's effect for Forward+ and Mobile, which cannot run here.
+
+Its shader is split and compiled like Godot's importer does, its passes are compared with the frame's, and OpenGL draws
+them and must give the harness's image.
 """
 
 import ast
@@ -24,25 +26,27 @@ from bokeh_validation.truth import ray_traced
 pytestmark = of_sample("godot")
 
 EXTENSIONS = {"vertex": "vert", "fragment": "frag"}
-# A part of market_7 that 2, 4 and 8 do not divide
+# A part of market_7 whose size is not divisible by 2, 4 or 8
 PART, SIZE = (slice(200, 317), slice(300, 457)), (157, 117)
 NEAR, FAR = 0.1, 100.0
 
 
 @cache
 def sections() -> dict[str, str]:
-    """Text of each section of the shader: what stands after a line in brackets, with what it includes."""
+    """Return name -> text of each section of the shader, the lines after a name in brackets, with its includes
+    resolved.
+    """
     head, *parts = re.split(
         r"^#\[(\w+)\]$", (ADDON / "compositor.glsl").read_text(encoding="ascii"), flags=re.MULTILINE
     )
-    # the importer takes nothing else before the first section
+    # the importer accepts nothing else before the first section
     assert all(not line or line.startswith("//") for line in head.splitlines())
     texts = dict(zip(parts[::2], parts[1::2], strict=True))
     assert list(texts) == ["versions", *EXTENSIONS]
 
     def included(found: re.Match) -> str:
         text = (ADDON / found[1]).read_text(encoding="ascii")
-        # the importer does not look for includes in what it includes
+        # the importer does not resolve nested includes
         assert not re.search(r"^\s*#include", text, re.MULTILINE)
         return text
 
@@ -51,7 +55,7 @@ def sections() -> dict[str, str]:
 
 @cache
 def versions() -> dict[str, str]:
-    """Name of each version -> its defines."""
+    """Return name of each version -> its defines."""
     lines = [line for line in sections()["versions"].splitlines() if line and not line.startswith("//")]
     rows = [re.fullmatch(r'([a-z]\w*) = "([^"=;]*)";', line) for line in lines]
     assert all(rows), [line for line, row in zip(lines, rows, strict=True) if not row]
@@ -59,20 +63,20 @@ def versions() -> dict[str, str]:
 
 
 def source(section: str, version: str) -> str:
-    """What Godot compiles for a stage of a version."""
+    """Return the text that Godot compiles for a stage of a version."""
     return sections()[section].replace("VERSION_DEFINES", f"\n{versions()[version]}\n")
 
 
 @cache
 def frames() -> dict[str, dict[int, list]]:
-    """Method -> sides -> [version, scale, textures by slot, targets]."""
+    """Return method -> sides -> [version, scale, textures by slot, targets]."""
     text = (ADDON / "compositor_frames.gd").read_text(encoding="ascii")
     return ast.literal_eval(text.partition("const FRAMES := ")[2].partition("\n# generated")[0].replace("\t", " "))
 
 
 @pytest.mark.parametrize("preset", [*methods.PRESETS])
 def test_compiled(preset):
-    """Every version of the preset compiles without a word, to valid SPIR-V, and each is used by a frame."""
+    """Compile every version of the preset to valid SPIR-V without messages, and check that a frame uses it."""
     names = [name for name in versions() if name.startswith(f"{preset}_")]
     used = {row[0] for by_sides in frames().values() for rows in by_sides.values() for row in rows}
     assert {name.removeprefix(f"{preset}_") for name in names} == used
@@ -86,7 +90,7 @@ def test_compiled(preset):
 
 @pytest.mark.parametrize("plan", sorted((paths.ROOT / "integration/frames").glob("*.json")), ids=lambda path: path.stem)
 def test_frame(plan):
-    """The passes of a frame's JSON in their order: textures by slot, targets, sizes, memory."""
+    """Compare the passes with a frame's JSON: textures by slot, targets, sizes, memory."""
     planned = json.loads(plan.read_text(encoding="utf-8"))
     memory = {texture["name"]: f"texture_{texture['memory']}" for texture in planned["textures"]}
     rows = frames()[planned["method"]][methods.EXACT[planned["aperture"]]]
@@ -99,14 +103,16 @@ def test_frame(plan):
         assert scale == step["scale"]
         is_last = step is steps[-1]
         assert writes == (["color"] if is_last else [memory[name] for name in step["targets"]]), version
-        # never a texture that the pass reads
+        # a pass never writes a texture that it reads
         assert not set(reads) & set(writes)
 
 
 def drawn(
     context: moderngl.Context, method: str, sides: int, preset: str, textures: dict, parameters: list
 ) -> np.ndarray:
-    """The last pass's target, with every pass drawn by OpenGL as the script says; there a push constant is a buffer."""
+    """Draw every pass with OpenGL as the script says, with a buffer instead of the push constant; returns the last
+    target.
+    """
     block = context.buffer(np.array(parameters, np.float32).tobytes())
     block.bind_to_uniform_block(0)
     made = dict(textures)
@@ -141,7 +147,7 @@ def drawn(
      ("exact", "decagon", "medium")],
 )  # fmt: skip
 def test_picture(method, aperture, preset):
-    """As the harness's frame of that method; depth comes back from Godot's reversed depth, off by a few 2^-24."""
+    """Compare with the harness's frame of that method; depth from Godot's reversed buffer is off by a few 2^-24."""
     driver = load("egl")
     scene = ray_traced.picture(ray_traced.MARKET)
     color = np.dstack([scene.color[PART][..., :3], np.ones(SIZE[::-1])]).astype(np.float16)
@@ -162,14 +168,14 @@ def test_picture(method, aperture, preset):
     }
     found = drawn(driver.context, method, sides, preset, textures, parameters)[..., :3].astype(np.float64)
     wanted = wanted[..., :3].astype(np.float64)
-    # four steps of a half float
+    # within four steps of a half float
     near = np.abs(found - wanted) <= 4.0 * 2.0**-10 * np.maximum(np.abs(wanted), 2.0**-14)
     assert near.all(axis=-1).mean() >= 0.998
     assert (np.abs(wanted - color[..., :3]) > 0.05).any(axis=-1).mean() > 0.1
 
 
 def test_ignored():
-    """Where Godot would import a shader of this repository that is not its own, a .gdignore keeps it from that."""
+    """Check that a .gdignore keeps Godot from importing shaders of this repository that are not the add-on's."""
     foreign = [path for path in paths.ROOT.glob("**/*.glsl") if ADDON not in path.parents and ".git" not in path.parts]
     assert len(foreign) >= 7
     for path in foreign:

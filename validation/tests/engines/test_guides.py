@@ -1,5 +1,7 @@
-"""The guides of integration/ against their samples: the code that they show, run as printed where it is a program;
-tables, pictures drawn again.
+"""Check the guides of integration/ against their samples.
+
+Code must be quoted from the sample, or is run as printed if it is a program; tables are compared and images drawn
+again.
 """
 
 import json
@@ -19,13 +21,13 @@ from bokeh_validation.engines import desktop, direct3d, vulkan
 from bokeh_validation.frame import methods
 
 INTEGRATION = paths.ROOT / "integration"
-# but those without code of their own, and the live page, which is no engine
+# except guides without code, and the live page, which is not an engine
 NAMES = sorted({path.parent.name for path in INTEGRATION.glob("*/README.md")} - {"web", "reshade", "demo"})
-# Languages of fenced blocks that are commands and their output, not code
+# Languages of fenced blocks with commands and their output
 COMMANDS = ("sh", "console")
-# Guides whose code is one program, for test_program: it draws what is in the upper right of the guide's picture
+# Guides whose code is one program, run by test_program: it draws the upper right of the guide's image
 PROGRAMS = ("opengl", "raylib", "love", "jmonkeyengine", "panda3d")
-# A window of raylib's, closed after two frames; the second is written to PICTURE
+# Makes raylib close its window after two frames and write the second to PICTURE
 RAYLIB = """
 import raylib as rl
 left = iter([False, False])
@@ -66,7 +68,7 @@ function love.draw()
   end)
 end
 """
-# The third frame of the game, tone-mapped as the sample's, to PICTURE
+# Writes the third frame of the game to PICTURE, tone-mapped like the sample's
 GAME = """
 import com.jme3.post.FilterPostProcessor;
 import com.jme3.renderer.RenderManager;
@@ -117,7 +119,7 @@ public class Run extends Game {
     }
 }
 """
-# How the programs of the Direct3D 9 guide begin
+# How programs in the Direct3D 9 guide begin
 PASTED = ("float2 texelSize;", "sampler2D ")
 FENCE = re.compile(
     r"^(?P<indent> *)```(?P<language>[^\n`]*)\n(?P<text>.*?)^(?P=indent)```\s*$", re.MULTILINE | re.DOTALL
@@ -125,28 +127,29 @@ FENCE = re.compile(
 
 
 def blocks(name: str) -> list[tuple[str, str]]:
-    """(language, text) of every fenced block of a guide."""
+    """Return (language, text) of every fenced block of a guide."""
     text = (INTEGRATION / name / "README.md").read_text(encoding="utf-8")
     assert len(re.findall(r"^ *```", text, re.MULTILINE)) % 2 == 0, f"{name}: a code block is not closed"
     return [(found["language"].strip(), found["text"]) for found in FENCE.finditer(text)]
 
 
 def lines(text: str) -> list[str]:
-    """Without the indentation that they share, and without empty ones around them."""
+    """Return the lines of a text without common indentation, and without empty lines around them."""
     return [line.rstrip() for line in textwrap.dedent(text).strip("\n").rstrip().splitlines()]
 
 
 def is_quoted(block: str, text: str) -> bool:
-    """Whether lines that follow each other in `text` are the block's, at any indentation."""
+    """Return whether consecutive lines of `text` equal the block's, at any indentation."""
     wanted, whole = lines(block), text.splitlines()
     windows = (whole[start : start + len(wanted)] for start in range(len(whole) - len(wanted) + 1))
     return any(lines("\n".join(window)) == wanted for window in windows)
 
 
 def sources(name: str) -> list[Path]:
-    """What a sample is built from: its files, those of direct3d9 that direct3d11 shares, the web's; the package's.
+    """Return the files that a sample is built from, without Cargo's output.
 
-    Not what Cargo built there.
+    They are its own files, those of direct3d9 that direct3d11 shares, those of the npm package for web samples, and
+    the shaders.
     """
     folders = [INTEGRATION / name, *([direct3d.SHARED] if name == "direct3d11" else [])]
     own = [path for folder in folders for path in folder.rglob("*") if path.is_file()]
@@ -159,8 +162,8 @@ def sources(name: str) -> list[Path]:
 
 @pytest.mark.parametrize("name", NAMES)
 def test_code_is_the_samples(name):
-    """Every block but commands, and programs that are run as they are, is a verbatim piece of a file that the sample is
-    built from.
+    """Check that every block is quoted from a file of the sample, except commands and programs that are run as
+    printed.
     """
     if name in PROGRAMS:
         assert len([language for language, _ in blocks(name) if language not in COMMANDS]) == 1
@@ -177,7 +180,9 @@ SECTIONS = ["Install", "Program", "Depth", "In the frame", "Settings", "Change a
 
 @pytest.mark.parametrize("name", NAMES)
 def test_pattern(name):
-    """One pattern: its sections in their order, units and defaults in a table, the picture at the end."""
+    """Check that a guide follows the pattern: its sections in order, a table with units and defaults, the image at the
+    end.
+    """
     text = (INTEGRATION / name / "README.md").read_text(encoding="utf-8")
     assert re.findall(r"^#+ (.*)$", FENCE.sub("", text), re.MULTILINE)[1:] == SECTIONS
     settings = text.partition("## Settings")[2].partition("\n## ")[0]
@@ -195,13 +200,13 @@ BUILDS |= {name: f"{words} -o sample\n" for name, words in (("ogre", desktop.BUI
     [*BUILDS.items(), ("ogre", f"{desktop.BUILD_OGRE} -o sample\n"), ("vulkan", f"{vulkan.BUILD} -o sample\n")],
 )
 def test_build_command(name, command):
-    """The guide builds as the tests do."""
+    """Check that the guide's build command is the one that the tests use."""
     assert any(command in text for _, text in blocks(name))
 
 
 @pytest.mark.parametrize("name", ["panda3d", "raylib"])
 def test_locked_version(name):
-    """The guide's is the locked one."""
+    """Check that the guide names the locked version."""
     pinned = (INTEGRATION / name / "requirements.txt").read_text(encoding="utf-8")
     (version,) = re.findall(rf"^{name}==(\S+)", pinned, re.MULTILINE)
     shown = (INTEGRATION / name / "README.md").read_text(encoding="utf-8")
@@ -210,7 +215,7 @@ def test_locked_version(name):
 
 @pytest.mark.parametrize("name", ["threejs", "babylonjs", "playcanvas"])
 def test_npm_version(name):
-    """The table of integration/README.md has the locked one."""
+    """Check that the table of integration/README.md has the locked version."""
     lock = json.loads((INTEGRATION / name / "package-lock.json").read_text(encoding="utf-8"))
     (package, version) = next(iter(lock["packages"][""]["devDependencies"].items()))
     assert lock["packages"][f"node_modules/{package}"]["version"] == version
@@ -221,7 +226,7 @@ def test_npm_version(name):
 
 
 def test_web_presets():
-    """What frames.js puts into WGSL for a preset."""
+    """Compare the constants that frames.js puts into WGSL for a preset with the harness's."""
     text = (INTEGRATION / "web/frames.js").read_text(encoding="utf-8")
     names = re.findall(r"'(\w+)'", re.search(r"^const CONSTANTS = (.*)$", text, re.MULTILINE)[1])
     assert tuple(f"BOKEH_{name}" for name in names) == (*methods.EXACT_CONSTANTS, *methods.PRESET_CONSTANTS)
@@ -231,7 +236,7 @@ def test_web_presets():
 
 
 def test_bevy_presets():
-    """What the plugin sets for a preset. Spacing is a parameter."""
+    """Compare the constants that the plugin sets for a preset with the harness's. Spacing is a parameter."""
     plugin = (INTEGRATION / "bevy/src/lib.rs").read_text(encoding="utf-8")
     (names,) = re.findall(r"^const CONSTANTS: .* = \[(.*)\];$", plugin, re.MULTILINE)
     assert tuple(re.findall(r"\w+", names)) == (methods.EXACT_CONSTANTS[0], *methods.PRESET_CONSTANTS)
@@ -243,7 +248,9 @@ def test_bevy_presets():
 
 @pytest.mark.parametrize("name", samples(PROGRAMS))
 def test_program(name, tmp_path):
-    """The guide's program, as printed, beside the files that the guide says: the hexagon of its picture."""
+    """Run the guide's program as printed, next to the files that it names, and compare with the hexagon
+    in its image.
+    """
     (program,) = [text for language, text in blocks(name) if language not in COMMANDS]
     drawn, sample = tmp_path / "drawn.png", INTEGRATION / name
     with needed(name):
@@ -272,7 +279,7 @@ def test_program(name, tmp_path):
 
 @pytest.mark.parametrize("name", samples(["opengl", "panda3d", "raylib", "love", "ogre", "jmonkeyengine"]))
 def test_picture(name, tmp_path):
-    """The sample draws the picture of the guide."""
+    """Check that the sample draws the guide's image."""
     drawn = tmp_path / "picture.png"
     with needed(name):
         process.run([*desktop.command(name), drawn], desktop.SECONDS, INTEGRATION / name)

@@ -1,6 +1,6 @@
-"""The lens of every integration: the formula in its source gives the focal length and aperture of docs/lens.md.
+"""Check that the lens formula in every integration's source gives the focal length and aperture of docs/lens.md.
 
-Each is read from the source and evaluated as Python, so a factor that is lost shows without the engine.
+Each formula is read from the source and evaluated as Python, so a lost factor shows without running the engine.
 """
 
 import re
@@ -10,11 +10,11 @@ import pytest
 
 from bokeh_validation import paths
 
-# Vertical field of view in radians, f-stop
+# Vertical field of view in radians, f-stop, bokeh scale
 LENSES = ((0.3, 0.2, 1.0), (0.9, 2.8, 10.0), (1.6, 11.0, 0.0))
 SENSOR = 0.024
 NUMBERS = r"(?<=\d)[fF]\b"
-# source -> what the focal length and the aperture are there (a group each), and what its names stand for: fovy, the
+# source -> patterns for the focal length and the aperture (one group each), and what the names in them mean: fovy, the
 # camera's element of the projection matrix (zoom), the sensor (h), the focal length (f), the f-stop (n), and the bokeh
 # scale (k)
 SOURCES = {
@@ -85,7 +85,7 @@ SOURCES = {
     "opengl/sample.py": (r"FOCAL_LENGTH = (.*)", None, {"FIELD_OF_VIEW": "fovy"}),
     "raylib/sample.py": (r"FOCAL_LENGTH = (.*)", None, {r"radians\(FIELD_OF_VIEW\)": "fovy"}),
 }  # fmt: skip
-# The aperture of what the tables above leave to another file
+# Formulas of the aperture for sources above that leave it to another file
 DIAMETERS = {
     "web/common.js": (r"  return (\(focalLength / .*?);", {"focalLength": "f", "fStop": "n", "bokehScale": "k"}),
     "direct3d9/main.c": (r"parameters\.ApertureDiameter = (.*?);", {r"parameters\.FocalLength": "f", "F_STOP": "n"}),
@@ -100,7 +100,7 @@ DIAMETERS = {
 
 
 def value(source: str, pattern: str, names: dict[str, str], **known: float) -> float:
-    """The one expression of a source that a pattern finds, with these names, evaluated."""
+    """Evaluate the one expression of a source that a pattern finds, with its names replaced."""
     text = (paths.ROOT / "integration" / source).read_text(encoding="utf-8")
     (expression,) = set(re.findall(pattern, text))
     for name, ours in names.items():
@@ -111,7 +111,7 @@ def value(source: str, pattern: str, names: dict[str, str], **known: float) -> f
 @pytest.mark.parametrize(("fovy", "f_stop", "scale"), LENSES)
 @pytest.mark.parametrize("source", SOURCES)
 def test_focal_length_and_aperture(source, fovy, f_stop, scale):
-    """f = h / (2 tan(fovy / 2)), A = k f / N."""
+    """Check f = h / (2 tan(fovy / 2)) and A = k f / N."""
     focal, aperture, names = SOURCES[source]
     wanted = SENSOR / (2.0 * tan(0.5 * fovy))
     known = {
@@ -130,13 +130,13 @@ def test_focal_length_and_aperture(source, fovy, f_stop, scale):
 
 @pytest.mark.parametrize("source", DIAMETERS)
 def test_aperture(source):
-    """A = k f / N; k is 1 where the lens is a real one."""
+    """Check A = k f / N; k is 1 for a real lens."""
     pattern, names = DIAMETERS[source]
     scale = 10.0 if "k" in names.values() else 1.0
     assert value(source, pattern, names, f=0.05, n=2.8, k=scale) == pytest.approx(scale * 0.05 / 2.8)
 
 
-# Lines of the integrations -> what f-stop and bokeh scale they begin with
+# Source -> patterns for the default f-stop and bokeh scale
 DEFAULTS = {
     "unity/Runtime/BokehVolume.cs": (r"fStop = new MinFloatParameter\(([\d.]+)f", r"bokehScale = .*\(([\d.]+)f, "),
     "unreal/BokehDepthOfField/Source/BokehDepthOfField/Private/BokehViewExtension.cpp": (
@@ -159,13 +159,15 @@ DEFAULTS = {
 
 @pytest.mark.parametrize("source", DEFAULTS)
 def test_defaults(source):
-    """Every integration begins with f/2.8 and a bokeh ten times as wide, so that it blurs, and all alike."""
+    """Check that every integration starts with f/2.8 and a bokeh scale of 10, so that all blur visibly and by the same
+    amount.
+    """
     text = (paths.ROOT / "integration" / source).read_text(encoding="utf-8")
     assert [{float(value) for value in re.findall(pattern, text)} for pattern in DEFAULTS[source]] == [{2.8}, {10.0}]
 
 
 def test_unity_takes_degrees():
-    """Camera.fieldOfView is in degrees and vertical, the sensor's height in millimetres."""
+    """Check the units: Camera.fieldOfView is vertical and in degrees, the sensor's height in millimetres."""
     text = (paths.ROOT / "integration/unity/Runtime/BokehRendererFeature.cs").read_text(encoding="utf-8")
     assert "float fovy = Mathf.Deg2Rad * camera.fieldOfView;" in text
     assert "values.sensorHeight = 0.001f * volume.sensorHeight.value;" in text

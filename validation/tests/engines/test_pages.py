@@ -1,4 +1,4 @@
-"""three.js, Babylon.js and PlayCanvas: what their guides say of depth, focus, debug views, effects is so."""
+"""Check what the guides of three.js, Babylon.js and PlayCanvas say of depth, focus, debug views and effects."""
 
 import numpy as np
 import pytest
@@ -9,8 +9,8 @@ from support_pages import SIZE, assert_debug_views, assert_pulled, pixels
 from bokeh_validation import browser
 from bokeh_validation.engines import pages
 
-# Cameras of `depths` in capture.js, and the share of the rays that must agree: the rest is at outlines, where a ray may
-# pass by. WebGPURenderer's logarithmic buffer is refused for perspective cameras: test_logarithmic_depth
+# Sample -> number of cameras of `depths` in capture.js, and the fraction of rays that must agree; the rest may pass an
+# outline. WebGPURenderer refuses a logarithmic buffer for perspective cameras: test_logarithmic_depth
 CAMERAS = {
     "threejs-webgl": (6, 0.98),
     "threejs-webgpu": (5, 0.98),
@@ -23,17 +23,17 @@ CAMERAS = {
 
 @pytest.fixture(scope="module", params=samples(CAMERAS))
 def sample(request):
-    """(name, its opened page)"""
+    """Return (name, its open page) of a sample."""
     with needed(request.param), pages.opened(request.param) as opened:
         yield request.param, opened
 
 
 def test_what_the_guide_says(sample):
-    """The first call, while the page is as the sample made it: a click focuses, a drag does not (three.js), a key
-    shows the circle of confusion.
+    """Check interaction, depth and debug views.
 
-    Then depth: what the passes read is what a ray meets, or the far plane where none does, with every camera and
-    buffer. Debug views as BOKEH_DEBUG has them; alpha is the signed CoC.
+    Interaction comes first, while the page is as the sample made it: a click focuses, a drag does not (three.js), a
+    key shows the circle of confusion. Depth: the passes read what a ray meets, or the far plane if it meets nothing,
+    with every camera and buffer. Debug views follow BOKEH_DEBUG; alpha is the signed CoC.
     """
     (name, page), kind = sample, sample[0].partition("-")[2]
     answer = page.call("interaction", kind)
@@ -54,14 +54,16 @@ def test_what_the_guide_says(sample):
 
 @pytest.mark.parametrize("sample", samples(["threejs-webgpu"]), indirect=True)
 def test_logarithmic_depth(sample):
-    """WebGPU: refused, and told why. WebGL reads it; the other engines have no such buffer."""
+    """Check that WebGPU refuses a logarithmic buffer with a message. WebGL reads it; the other engines do not have
+    one.
+    """
     with pytest.raises(browser.Refused, match="PolygonBokehNode cannot read logarithmicDepthBuffer"):
         sample[1].call("logarithmic", "webgpu")
 
 
 @pytest.mark.parametrize("sample", samples(["playcanvas-webgl", "playcanvas-webgpu"]), indirect=True)
 def test_other_effects(sample):
-    """With bloom, occlusion, TAA and several samples a pixel it is the same picture, but for what those change."""
+    """Check that bloom, occlusion, TAA and multisampling change the image only by their own effect."""
     said = sample[1].call("effects", None)
     found = {name: pixels(one["result"], one["size"]).astype(float) for name, one in said.items()}
     assert all((result[..., 3] == 1).all() for result in found.values())
@@ -70,9 +72,9 @@ def test_other_effects(sample):
     assert found.pop("scale").shape[:2] == (SIZE[0] // 2, SIZE[1] // 2)
     np.testing.assert_array_equal(found.pop("bloom"), plain)
     assert [name for name, one in said.items() if one["blooms"]] == ["bloom"]
-    # occlusion of the light and multisampling need a prepass; else depth comes from the scene pass
+    # occlusion and multisampling need a prepass; otherwise depth comes from the scene pass
     assert {name for name, one in said.items() if one["prepass"]} == {"ssao", "samples"}
-    # of the picture's light; the most by TAA, which dims lamps of a pixel or two before they are blurred
+    # relative to the image's light; TAA changes most, since it dims lamps of a pixel or two before they are blurred
     off = {name: (np.abs(result - plain).mean() / plain[..., :3].mean()) for name, result in found.items()}
     assert set(off) == {"ssao", "taa", "samples"}
     assert all(0 < by < 0.3 for by in off.values()), off
@@ -80,7 +82,7 @@ def test_other_effects(sample):
 
 @pytest.mark.parametrize("sample", samples(["playcanvas-webgl", "playcanvas-webgpu"]), indirect=True)
 def test_splats(sample):
-    """Gaussian splats that write depth are in the depth that is blurred by."""
+    """Check that Gaussian splats which write depth are in the depth that the blur uses."""
     said = sample[1].call("splats", None)
     wall, without, splats = said["found"]
     assert wall == without > 1.5 * said["distance"]
@@ -91,7 +93,9 @@ def test_splats(sample):
     "sample", samples(name for name in CAMERAS if not name.startswith("threejs")), indirect=True
 )  # three.js: test_web.py
 def test_options(sample):
-    """Extras act, and at their neutral values change nothing but by rounding; what no option can be is said."""
+    """Check that extras act, that at neutral values they change nothing beyond rounding, and that invalid options give
+    a message.
+    """
     (name, page), kind = sample, sample[0].partition("-")[2]
 
     def shown(options, **uniforms):

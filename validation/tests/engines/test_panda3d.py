@@ -1,4 +1,4 @@
-"""The package for Panda3D, installed by pip as a user does it."""
+"""Install the package for Panda3D with pip, as a user does."""
 
 import shutil
 import sys
@@ -20,9 +20,9 @@ WRONG = "from bokeh_panda3d import DepthOfField as D; D.change(None, sides=5)"
 @of_sample("panda3d")
 @pytest.mark.parametrize("form", ["folder", "git"])
 def test_installed(form, tmp_path):
-    """From a copy of the folder, and by git from a repository that has it: the sample draws its picture by it.
+    """Install the package from a folder, and with git from a repository, and let the sample draw its image with it.
 
-    Into a new environment, where pip finds Panda3D in the sample's, by a .pth file; setuptools is fetched once.
+    It is installed into a new environment, where pip finds Panda3D through a .pth file; setuptools is downloaded once.
     """
     with needed("panda3d"):
         owner = desktop.python("panda3d")

@@ -1,4 +1,4 @@
-"""ReShade's effect, by the FX compiler of vkBasalt, on the screen of a Vulkan program; colour and depth are known."""
+"""Run ReShade's effect with vkBasalt's FX compiler on the screen of a Vulkan program; colour and depth are known."""
 
 import os
 import re
@@ -22,29 +22,31 @@ from bokeh_validation.process import find
 from bokeh_validation.truth import ray_traced
 
 GUIDE = paths.ROOT / "integration/reshade"
-# What the archive of docs/publishing.md holds
+# What the archive of docs/publishing.md contains
 SHADERS = GUIDE / "Shaders"
-# The picture is a part of market_7, as large as vkcube's window, which is so far from the screen's corner
+# The image is a part of market_7 as large as vkcube's window; CORNER is the window's distance from the screen's corner
 PART, CORNER = (slice(30, 510), slice(160, 800)), 100
 FAR_PLANE, HIGHLIGHTS, FOCUS, MOST = 100.0, 0.9, 2.5, 0.1
-# Compiling takes 5 s, and a frame of lavapipe 0.3 s
+# Compiling takes 5 s, a frame on lavapipe 0.3 s
 LIMIT_S = 120
 
 
 def expanded(shown):
-    """Linear light of what a game shows, 0 .. 1, (H, W, 3); the effect's formula in float64."""
+    """Return the linear light of a game's display values, 0 to 1, (H, W, 3), by the effect's formula in float64."""
     light = np.where(shown <= 0.04045, shown / 12.92, ((shown + 0.055) / 1.055) ** 2.4)
     return light / (1.0 - HIGHLIGHTS * light.max(axis=-1, keepdims=True))
 
 
 def compressed(light):
-    """The other way round."""
+    """Return the display values of linear light: the inverse of expanded()."""
     light = light / (1.0 + HIGHLIGHTS * light.max(axis=-1, keepdims=True))
     return np.where(light <= 0.0031308, light * 12.92, 1.055 * light ** (1.0 / 2.4) - 0.055)
 
 
 def screen(folder: Path) -> np.ndarray:
-    """Where vkcube's window is on the screen of Xvfb, whose memory is a file in XWD's format."""
+    """Return the part of Xvfb's screen with vkcube's window, (H, W, 3); the screen's memory is a file in
+    XWD's format.
+    """
     data = (folder / "Xvfb_screen0").read_bytes()
     head = np.frombuffer(data[:100], ">u4")
     width, height, start, line = head[4], head[5], head[0] + 12 * head[19], head[12]
@@ -54,7 +56,7 @@ def screen(folder: Path) -> np.ndarray:
 
 
 def drawn(folder: Path) -> np.ndarray:
-    """What vkcube's window shows with the effect in `folder`, once it changes no more."""
+    """Return what vkcube's window shows with the effect in `folder`, once the image no longer changes."""
     log, config = folder / "log", folder / "vkBasalt.conf"
     config.write_text(f"effects = bokeh\nbokeh = {folder}/effect.fx\nreshadeTexturePath = {folder}\n"
                       f"reshadeIncludePath = {folder}\ndepthCapture = off\n")  # fmt: skip
@@ -84,33 +86,35 @@ def drawn(folder: Path) -> np.ndarray:
 
 @pytest.fixture(scope="module")
 def picture():
-    """What the game shows, 8 bits, and its depth in metres / FAR_PLANE as 16 bits: a part of market_7."""
+    """Return what the game shows, 8 bits, and its depth in metres / FAR_PLANE, 16 bits: a part of market_7."""
     scene = ray_traced.picture(ray_traced.MARKET)
     color = np.rint(255.0 * compressed(scene.color[PART][..., :3].astype(float))).astype(np.uint8)
     return color, np.rint(np.clip(scene.depth[PART] / FAR_PLANE, 0.0, 1.0) * 65535.0).astype(int)
 
 
 def effect(folder: Path, technique: str, values: dict[str, str], color: np.ndarray, code: np.ndarray) -> None:
-    """Write to a folder all that vkBasalt needs: the effect with one technique and these values of its uniforms."""
+    """Write everything that vkBasalt needs to a folder: the effect with a single technique and these values of its
+    uniforms.
+    """
     Image.fromarray(color).save(folder / "color.png")
     Image.fromarray(np.dstack([code // 256, code % 256, code * 0]).astype(np.uint8)).save(folder / "depth.png")
     for path in (Path(__file__).parent / "ReShade.fxh", *SHADERS.glob("*.hlsl")):
         shutil.copy(path, folder)
     text = (SHADERS / "PolygonalBokeh.fx").read_text(encoding="ascii")
-    # f/1.4, as in the guide's picture
+    # f/1.4, as in the guide's image
     for name, value in {"MetresToFarPlane": f"{FAR_PLANE}", "BokehScale": "2.0", **values}.items():
         pattern = rf"(uniform \w+ {name} <(?:(?!\n>).)*\n> = )[^;]*;"
         text, count = re.subn(pattern, rf"\g<1>{value};", text, flags=re.DOTALL)
         assert count == 1, name
-    # vkBasalt runs every technique
+    # only one technique is kept, since vkBasalt runs all of them
     text = re.sub(rf"technique (?!{technique} )\w+ .*?\n\}}\n", "", text, flags=re.DOTALL)
     (folder / "effect.fx").write_text(text, encoding="ascii")
 
 
-# Settings of the effect -> the distance of the focus, where automatic focus reads it (pixels), the harness's limits
+# Name -> settings of the effect, focus distance, pixel at which autofocus reads it, limits of the CoC in the harness
 CASES = {
     "middle": ({}, FOCUS, (316, 236), None),
-    # vkBasalt knows no other place of the cursor than the first pixel
+    # vkBasalt always places the cursor at the first pixel
     "cursor": ({"FocusMode": "2"}, 6.0, (0, 0), None),
     "point": ({"FocusMode": "3", "FocusPoint": "float2(0.25, 0.75)"}, 1.5, (156, 356), None),
     "limits": ({"LargestBlurNear": "0.5", "LargestBlurFar": "2.0"}, FOCUS, (316, 236), (0.005, 0.02)),
@@ -123,10 +127,11 @@ CASES = {
     [("PolygonalBokeh", "middle"), ("PolygonalBokeh", "limits"), *(("PolygonalBokehExact", case) for case in CASES)],
 )
 def test_picture(technique, case, picture, tmp_path):
-    """As the same frame of the harness, through the same curve, at the distance that autofocus finds.
+    """Compare with the harness's frame through the same curve, at the distance that autofocus finds.
 
-    Both are rounded to 8 bits; the harness's result is a half float before, 2^-11 of its value, which the curve makes
-    at most 0.13 of a step of the 8 bits: they differ by one step at most, but where a comparison goes the other way.
+    Both are rounded to 8 bits. The harness's result is first rounded to a half float, 2^-11 of its value, which the
+    curve reduces to at most 0.13 of an 8-bit step. So they differ by at most one step, except where a comparison goes
+    the other way.
     """
     values, focus, (x, y), limits = CASES[case]
     color, code = picture[0], picture[1].copy()
@@ -151,28 +156,28 @@ def test_picture(technique, case, picture, tmp_path):
 
 @of_sample("reshade")
 def test_overlay(picture, tmp_path):
-    """Show focus: the sharp picture in grey and one of three colours, by the CoC; the focus point is white."""
+    """Check the focus overlay: the sharp image in grey with one of three tints by CoC, and a white focus point."""
     color, code = picture[0], picture[1].copy()
     code[356:364, 156:164] = round(FOCUS / FAR_PLANE * 65535.0)
     values = {"ShowFocus": "true", "FocusMode": "3", "FocusPoint": "float2(0.25, 0.75)", "LargestBlurNear": "0.0"}
     effect(tmp_path, "PolygonalBokehExact", values, color, code)
     shown = drawn(tmp_path)
     depth = np.maximum(code / 65535.0 * FAR_PLANE, 0.01)
-    # thin lens of 50 mm at f/1.4 on a sensor 24 mm high, as a diameter in pixels of 480 rows
+    # thin lens of 50 mm at f/1.4 on a sensor 24 mm high; diameter in pixels of 480 rows
     pixels = 480.0 / 0.024 * 0.05 / 1.4 * 0.05 / (FOCUS - 0.05) * (depth - FOCUS) / depth
     kinds = [pixels > 1.0, pixels <= 1.0]
     tints = np.select([kind[..., None] for kind in kinds], [np.array([0.1, 0.4, 1.0]), np.array([0.0, 0.8, 0.2])])
     wanted = 127.5 * ((color / 255.0 @ [0.3, 0.6, 0.1])[..., None] + tints)
     wanted[356:364, 156:164] = 255.0
     off = np.abs(shown - wanted).max(axis=-1)
-    # rounding of the distance moves the border between two colours by a pixel here and there
+    # rounding of the distance moves the border between two colours by a pixel in places
     assert (off <= 1.0).mean() >= 0.998, np.bincount(off.astype(int).ravel())
     assert min(kind.mean() for kind in kinds) > 0.05
 
 
 @of_sample("reshade")
 def test_overlay_near(picture, tmp_path):
-    """What is blurred in front of the focus is orange: here all that is nearer than 26 m."""
+    """Check that what is blurred in front of the focus is orange: here everything nearer than 26 m."""
     color, code = picture
     values = {"ShowFocus": "true", "FocusMode": "0", "FocusDistance": "100.0", "LargestBlurFar": "0.0"}
     effect(tmp_path, "PolygonalBokehExact", values, color, code)

@@ -1,5 +1,7 @@
-"""The npm package of integration/web: installed as it stands, through bundlers and types, by the oldest three.js, and
-what its classes promise. Node.js runs these tests, in a copy of the repository: integration/web/test has them.
+"""Test the npm package of integration/web: installed unchanged, through bundlers and types, with the oldest three.js,
+and its classes' promises.
+
+Node.js runs these tests, integration/web/test, in a copy of the repository.
 """
 
 import re
@@ -23,18 +25,18 @@ pytestmark = [
 
 @pytest.fixture(scope="module")
 def project(tmp_path_factory):
-    """A copy of the package beside the samples, with its packages in a folder above."""
+    """Return a copy of the package next to the samples, with its packages installed in a parent folder."""
     with needed("npm"):
         return pages.copied(WEB, tmp_path_factory.mktemp("web") / "repository", SAMPLES)
 
 
 @pytest.mark.parametrize("file", files(WEB))
 def test_by_node(project, file):
-    """Every test of a file of integration/web/test passes."""
+    """Check that every test in a file of integration/web/test passes."""
     assert_passes(project, file)
 
 
 @pytest.mark.parametrize(("file", "flags"), [("chromium.js", browser.FLAGS), ("three.js", list(pages.CANVAS))])
 def test_flags(file, flags):
-    """Node.js starts Chromium on the same devices as the browser drivers and the samples."""
+    """Check that Node.js starts Chromium on the same devices as the browser drivers and the samples."""
     assert re.findall(r"'(--[^']+)'", (WEB / "test" / file).read_text(encoding="utf-8")) == flags

@@ -1,4 +1,4 @@
-"""The house stays one that a person can hold: short files and functions, imports that only go down."""
+"""Keep the code manageable: short files and functions, imports in one direction only."""
 
 import ast
 import subprocess
@@ -18,7 +18,7 @@ SOURCES = [file for folder in (PACKAGE, LAB, TESTS) for file in sorted(folder.rg
 
 
 def name_of(file) -> str:
-    """bokeh_validation.drivers.gl for its file."""
+    """Return the module name of a file, such as bokeh_validation.drivers.gl."""
     return ".".join(file.relative_to(paths.VALIDATION).with_suffix("").parts).removesuffix(".__init__")
 
 
@@ -27,7 +27,7 @@ MODULES = {name_of(file): file for file in FILES if file.parent != LAB / "tests"
 
 
 def imported(name: str) -> set[str]:
-    """Modules of the package that one imports when it is imported itself, not within a function."""
+    """Return the package's modules that one imports at its top level, not inside functions."""
     found = set()
     for node in ast.parse(MODULES[name].read_text(encoding="utf-8")).body:
         if isinstance(node, ast.ImportFrom) and node.module:
@@ -39,7 +39,7 @@ def imported(name: str) -> set[str]:
 
 @pytest.mark.parametrize("file", SOURCES, ids=lambda file: str(file.relative_to(paths.VALIDATION)))
 def test_lengths(file):
-    """Of a file, and of the bodies of its functions."""
+    """Check the length of a file, and of the bodies of its functions."""
     text = file.read_text(encoding="utf-8")
     assert text.count("\n") <= FILE_LINES
     for node in ast.walk(ast.parse(text)) if file.suffix == ".py" else ():
@@ -48,12 +48,14 @@ def test_lengths(file):
 
 
 def folder(name: str) -> str:
-    """That of a module, or a module of the package's own folder."""
+    """Return the folder of a module; a module of the package's top folder is its own."""
     return ".".join(name.split(".")[: 2 if name.startswith("bokeh_validation.") else 1])
 
 
 def test_no_circle_of_folders():
-    """Put the folders in such an order as well, with the imports inside functions; CycleError names a circle."""
+    """Check that folders do not import each other in a circle, imports inside functions included; CycleError names
+    one.
+    """
     left: dict[str, set[str]] = {}
     for name, file in MODULES.items():
         needs = left.setdefault(folder(name), set())
@@ -61,17 +63,17 @@ def test_no_circle_of_folders():
             if isinstance(node, ast.ImportFrom) and node.module:
                 full = (f"{node.module}.{alias.name}" for alias in node.names)
                 needs |= {folder(one if one in MODULES else node.module) for one in full}
-    # modules beside the folders have levels of their own
+    # modules next to the folders have levels of their own
     folders = {name for name in left if MODULES[name].stem == "__init__"} - {"bokeh_validation"}
     TopologicalSorter({name: left[name] & folders - {name} for name in folders}).prepare()
 
 
 def test_no_cycle():
-    """Put the modules in an order in which each imports only those before it; CycleError names a circle."""
+    """Check that modules do not import each other in a circle; CycleError names one."""
     TopologicalSorter({name: imported(name) - {name} for name in MODULES}).prepare()
 
 
-# From the ground up: a module imports nothing of a line further down
+# From the bottom up: a module imports nothing from a later line
 LEVELS = [
     line.split()
     for line in """
@@ -87,7 +89,7 @@ lab
 
 
 def level(name: str) -> int:
-    """Index in LEVELS of the longest name that is the module's or its package's."""
+    """Return the index in LEVELS of the longest name that matches the module or its package."""
     bare = name.removeprefix("bokeh_validation.")
     fits = [
         (len(known), index)
@@ -100,20 +102,20 @@ def level(name: str) -> int:
 
 @pytest.mark.parametrize("name", [name for name in sorted(MODULES) if name != "bokeh_validation"])
 def test_imports_go_down(name):
-    """Nothing of a higher level."""
+    """Check that a module imports nothing from a higher level."""
     higher = [other for other in imported(name) if other != "bokeh_validation" and level(other) > level(name)]
     assert not higher
 
 
 def test_one_name_a_module():
-    """So that a name says which one is meant."""
+    """Check that no two modules share a name, so that a name is unambiguous."""
     names = Counter(name.rpartition(".")[2] for name in MODULES)
     assert [name for name, count in names.items() if count > 1] == []
 
 
 @pytest.mark.parametrize("command", [["check"], ["format", "--check"]], ids=["check", "format"])
 def test_ruff(command):
-    """As ruff.toml asks."""
+    """Run ruff with ruff.toml."""
     ruff = [sys.executable, "-m", "ruff", *command, "--no-cache", "--config", "ruff.toml", "."]
     done = subprocess.run(ruff, cwd=paths.VALIDATION, capture_output=True, text=True)
     assert done.returncode == 0, done.stdout + done.stderr

@@ -1,4 +1,4 @@
-"""The browser below webgl2, webgpu, angle and tint: crashes, hangs, mistakes, and that nothing of it is left."""
+"""Test the browser behind webgl2, webgpu, angle and tint: crashes, hangs, errors, and that nothing is left of it."""
 
 import os
 import subprocess
@@ -22,20 +22,23 @@ COPY = Pass("BokehConstantCoC", {"ColorSamp": "color"}, "result", {"BokehConstan
 
 
 def crash() -> None:
-    """End the browser from within."""
+    """Crash the browser from inside."""
     session = browser.session()
     client = session.work(session.page.context.browser.new_browser_cdp_session())
-    with suppress(Exception):  # it has gone before it can answer
+    with suppress(Exception):  # it is gone before it can answer
         session.work(client.send("Browser.crash"))
 
 
 def wgsl(fragment: str, source: str, targets: int = 1) -> naga.CompileResult:
+    """Compile an entry point of a WGSL text with Tint."""
     return angle_tint.tint(naga.Stage(source, "BokehFullScreen_VS"), naga.Stage(source, fragment, targets=targets))
 
 
 @pytest.mark.parametrize("name", ["webgl2", "webgpu"])
 def test_crash(name):
-    """The next call has a new browser. A picture of odd size, no row of which fills 256 bytes, is copied."""
+    """Check that the call after a crash uses a new browser, and copies an image of odd size whose rows do not fill 256
+    bytes.
+    """
     color = np.arange(60, dtype=np.float16).reshape(5, 3, 4)
     run = partial(load(name).run, [COPY], {"color": color}, (3, 5))
     crash()
@@ -45,9 +48,11 @@ def test_crash(name):
 
 
 def test_hang():
+    """Check that a hanging page is stopped, and that later calls say so."""
     load("webgl2")
     session = browser.Session(limit=1.0)
-    # the page's functions are found by name, and so is JavaScript's own way to make one; the second finds it dead
+    # functions are looked up by name, so JavaScript's own function constructor is found too; the second call finds the
+    # session dead
     for function in ("constructor.constructor('for (;;);')", "webgl2.describe"):
         with pytest.raises(browser.BrowserError, match="^Chromium hung: stopped after 1 s$"):
             session.call(function)
@@ -55,20 +60,21 @@ def test_hang():
 
 @pytest.mark.parametrize("end", ["pass", "test_browser.crash()"])
 def test_nothing_is_left(end):
-    """At the end of Python neither processes nor files."""
+    """Check that neither processes nor files are left when Python ends."""
     load("webgl2")
     code = f"import test_browser\ntest_browser.browser.session().call('webgl2.describe')\n{end}"
     with tempfile.TemporaryDirectory(prefix="b-", dir="/tmp") as folder:
         environment = {**os.environ, "PYTHONPATH": os.pathsep.join(sys.path), "TMPDIR": folder}
         done = subprocess.run([sys.executable, "-c", code], env=environment, capture_output=True, text=True, timeout=60)
         assert done.returncode == 0 and done.stderr == "" and os.listdir(folder) == []
-        time.sleep(2.0)  # the last of its processes may be ending
+        time.sleep(2.0)  # its last process may still be ending
         for file in Path("/proc").glob("[0-9]*/cmdline"):
             with suppress(OSError):  # it has ended meanwhile
                 assert folder.encode() not in file.read_bytes()
 
 
 def test_what_installs_chromium(monkeypatch):
+    """Check that the message without Chromium says how to install it."""
     monkeypatch.delenv(browser.VARIABLE, raising=False)
     monkeypatch.setenv("PATH", "/nonexistent")
     with pytest.raises(Unavailable, match="apt-get install -y --no-install-recommends chromium"):
@@ -76,7 +82,7 @@ def test_what_installs_chromium(monkeypatch):
 
 
 def test_compilers_report():
-    """What is wrong where programs are put together; undeclared names are in test_compile.py."""
+    """Check errors that appear when programs are linked; test_compile.py covers undeclared names."""
     load("webgl2")
     vertex = shaders.glsl("BokehFullScreen", "300es").replace("out vec2 BokehUV", "out vec3 BokehUV")
     vertex = vertex.replace("BokehUV = vec2(", "BokehUV = vec3(0.0, ").replace("BokehUV * 2.0", "BokehUV.xy * 2.0")

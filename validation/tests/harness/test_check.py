@@ -1,4 +1,4 @@
-"""validation/run check: what an edit of a shader can have broken is found, and no more is run than that."""
+"""Test validation/run check: it finds what an edit of a shader broke, and runs nothing else."""
 
 import shutil
 import subprocess
@@ -11,7 +11,7 @@ from bokeh_validation import check, paths, shaders
 
 @pytest.fixture
 def edit(tmp_path, monkeypatch):
-    """Changes a shader file in all or some languages of a checkout of its own."""
+    """Return a function that edits a shader file, in all or some languages, of a separate checkout."""
     for language in paths.LANGUAGES:
         shutil.copytree(paths.ROOT / language, tmp_path / language)
     for command in ("init -q", "add .", "-c user.name=a -c user.email=b commit -qm before"):
@@ -30,7 +30,7 @@ def edit(tmp_path, monkeypatch):
 
 
 def said(code: int) -> str:
-    """What check prints."""
+    """Return what check prints; it must end with this exit code."""
     assert all(map(load, check.DRIVERS.values()))
     done = called("check")
     assert done.returncode == code, done.stdout + done.stderr
@@ -38,6 +38,7 @@ def said(code: int) -> str:
 
 
 def test_a_comment_draws_nothing(edit, monkeypatch):
+    """Check that unchanged shaders, and a changed comment, draw nothing."""
     assert said(0) == "no shader differs from the last commit: nothing to check\n"
     edit("bokeh", "// Listing 1: puts a CoC", "// Listing 1: put a CoC")
     monkeypatch.setattr(check.drivers, "load", None)
@@ -46,8 +47,10 @@ def test_a_comment_draws_nothing(edit, monkeypatch):
 
 
 def test_mistakes(edit):
-    """In all languages: no driver draws what the last commit drew. In one, behind a constant: nor does its own
-    GLSL allow it, nor parity.
+    """Check that mistakes are found.
+
+    A mistake in all languages: no driver draws what the last commit drew. A mistake in one language, behind a
+    constant: its result is not what its own GLSL allows either, and parity reports it.
     """
     edit("bokeh", "CoC = -CoC;", "CoC = CoC;")
     edit("bokeh_layers", "sum *= BokehEdgeArea", "sum += BokehEdgeArea", ["hlsl"])
@@ -62,6 +65,7 @@ def test_mistakes(edit):
 
 
 def test_a_compiler_refuses(edit, tmp_path):
+    """Check that a compiler's error is reported, and that check refuses to run outside git."""
     edit("bokeh", "CoC = -CoC;", "CoC = -CoD;")
     text = said(1)
     assert all(f"{language} BokehSignedCoCMap: " in text for language in paths.LANGUAGES) and "on no driver" in text
@@ -71,6 +75,6 @@ def test_a_compiler_refuses(edit, tmp_path):
 
 
 def test_a_checkout_of_somebody_else(monkeypatch):
-    """git refuses to read a checkout that another user owns, unless it is told that it may."""
+    """Check that a checkout of another user can be read, which git refuses by default."""
     monkeypatch.setenv("GIT_TEST_ASSUME_DIFFERENT_OWNER", "1")
     assert "BokehComposite" in check._committed("glsl/bokeh_layers.glsl")

@@ -1,4 +1,4 @@
-"""validation/run compare: a right engine passes on either kind of targets, and each mistake is named."""
+"""Test validation/run compare: a correct engine passes with either kind of target, and each mistake is named."""
 
 import json
 from dataclasses import replace
@@ -24,7 +24,7 @@ NEAR, FAR = 0.5, 200.0
 
 
 def drawn(case: Case, storage: str = "half", coc=None) -> np.ndarray:
-    """What an engine makes of a case; `coc` changes its signed CoC map."""
+    """Draw a case like an engine; `coc` is a change of its signed CoC map."""
     driver, (first, *others), textures = load("egl"), case.plan.passes, case.textures()
     textures["coc"] = driver.run([first], textures, case.size, storage, keep=("coc",))["coc"]
     if coc is not None:
@@ -33,7 +33,7 @@ def drawn(case: Case, storage: str = "half", coc=None) -> np.ndarray:
 
 
 def metres_read_as(kind: int, held: int, depth: np.ndarray) -> np.ndarray:
-    """Of a depth buffer that holds another kind, by the shaders."""
+    """Return the metres that the shaders compute, reading as `kind` a depth buffer that holds `held`."""
     parameters = {"BokehDepthKind": float(kind), "BokehNear": NEAR, "BokehFar": FAR}
     textures = {"depth": stored_depth(depth.astype(np.float64), held, NEAR, FAR).astype(np.float32)}
     item = Pass("BokehLinearDepth", {"DepthSamp": "depth"}, "result", parameters)
@@ -41,22 +41,22 @@ def metres_read_as(kind: int, held: int, depth: np.ndarray) -> np.ndarray:
 
 
 def gamma(image: np.ndarray) -> np.ndarray:
-    """sRGB's curve about, as many engines have it."""
+    """Apply an approximate sRGB curve, as many engines do."""
     return np.concatenate([image[..., :3].astype(np.float32) ** (1 / 2.2), image[..., 3:]], axis=-1).astype(image.dtype)
 
 
 def with_depth(case: Case, kind: int, held: int) -> np.ndarray:
-    """The picture of an engine that misreads its depth buffer."""
+    """Draw a case like an engine that misreads its depth buffer."""
     return drawn(replace(case, depth=metres_read_as(kind, held, case.depth)))
 
 
 def with_lens(case: Case, **changes: float) -> Case:
-    """The same scene through another lens."""
+    """Return the scene through another lens."""
     return replace(case, settings=replace(SETTINGS, camera=replace(CAMERA, **changes)))
 
 
 def unfiltered(case: Case) -> np.ndarray:
-    """With a nearest filter on the one sampler, as the driver has it."""
+    """Draw a case with a nearest filter on the sampler."""
     driver, plan = load("egl"), case.plan
     with patch.dict(driver.samplers, {True: driver.samplers[False]}):
         return driver.run(plan.passes, case.textures(), case.size)["result"]
@@ -83,7 +83,7 @@ MISTAKES = {
 
 
 def saved(folder, case: Case, result: np.ndarray, dtype=np.float16) -> list:
-    """Arguments of compare: the case and its result as files."""
+    """Write a case and its result as files, and return the arguments for compare."""
     channels = {name: np.ascontiguousarray(case.color[..., i].astype(dtype)) for i, name in enumerate("RGB")}
     with OpenEXR.File({"type": OpenEXR.scanlineimage}, {**channels, "Z": case.depth}) as file:
         file.write(str(folder / "in.exr"))
@@ -93,20 +93,21 @@ def saved(folder, case: Case, result: np.ndarray, dtype=np.float16) -> list:
 
 @pytest.mark.parametrize("name", MISTAKES)
 def test_a_mistake_is_named(name, tmp_path):
+    """Check that compare names the mistake with its advice."""
     case = noise_case((96, 64), SETTINGS)
     files = saved(tmp_path, case, MISTAKES[name](case))
     method = ("--method", "layered") if name == "preset ULTRA" else ()
     done = called(*files, *GIVEN, *method, "--near", NEAR, "--far", FAR)
     assert done.returncode == 1, done.stdout + done.stderr
     lines = [line for line in done.stdout.splitlines() if line.startswith("likeliest mistake: ")]
-    # window and reversed taken for each other make the same depth; nothing else is as near
+    # reading window as reversed and the other way round give the same depth; nothing else ties
     assert len(lines) == 1 + ("window" in name and "reversed" in name)
     assert sum(name in line for line in lines) == 1, lines
     assert all(line.endswith(".") and line.count(". ") >= 1 for line in lines)
 
 
 def test_what_the_engine_sets(tmp_path):
-    """What was set already is no advice; a parameter that differs is told."""
+    """Check that compare does not suggest what is set already, and reports a parameter that differs."""
     case = noise_case((96, 64), SETTINGS)
     files = saved(tmp_path, case, with_depth(case, 1, 2))
     sets = "--set BokehDepthKind=1 --set BokehNear=0.5 --set BokehFar=200 --set BokehSqueeze=2".split()
@@ -119,7 +120,9 @@ def test_what_the_engine_sets(tmp_path):
 
 
 def test_settings_of_a_plan(tmp_path):
-    """plan's file has the settings; an option changes them; a file without them is refused in one line."""
+    """Check that settings come from plan's file, that options change them, and that a file without settings is
+    refused.
+    """
     case, plan = noise_case((96, 64), SETTINGS), tmp_path / "plan.json"
     plan.write_text(called("plan", *GIVEN[:-2], "--set", "BokehDepthKind=2").stdout)
     assert json.loads(plan.read_text())["parameters"]["BokehDepthKind"] == 2
@@ -136,7 +139,9 @@ def test_settings_of_a_plan(tmp_path):
 @pytest.mark.parametrize("storage", ["half", "float"])
 @pytest.mark.parametrize("dtype", [np.float16, np.float32])
 def test_a_right_engine_passes(dtype, storage, tmp_path):
-    """Whatever the file's colour and the targets are, which is said; on a device that rounds in its own way too."""
+    """Check that a correct result passes for every format of file and targets, and on a device that rounds
+    differently.
+    """
     case = noise_case((96, 64), SETTINGS)
     case = replace(case, color=(case.color.astype(np.float32) * np.float32(1.0001)).astype(dtype))
     other = load("webgl2").run(case.plan.passes, case.textures(), case.size, storage)["result"]
@@ -147,6 +152,7 @@ def test_a_right_engine_passes(dtype, storage, tmp_path):
 
 
 def test_sizes(tmp_path):
+    """Check that a result of another size is refused."""
     case = noise_case((96, 64), SETTINGS)
     done = called(*saved(tmp_path, case, drawn(case)[:32].copy()), *GIVEN)
     assert done.returncode == 2 and "(96, 32) pixels, the input has (96, 64)" in done.stderr

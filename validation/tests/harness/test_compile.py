@@ -1,6 +1,6 @@
-"""Every shader program through its compilers, and proof that the compilers would notice.
+"""Compile every shader program with its compilers, and prove that the compilers would notice mistakes.
 
-By the main compilers of each language, by all with --all.
+By default with the main compilers of each language, with --all by all.
 """
 
 import re
@@ -32,9 +32,9 @@ from bokeh_validation.shaders.variants import Program, load
 
 PROGRAMS = load()
 VARIANTS = list(dict.fromkeys(program.variant for program in PROGRAMS))
-# One program of each variant is enough where all would say the same
+# One program per variant, for checks that do not depend on the program
 SAMPLE = list({program.variant: program for program in PROGRAMS}.values())
-# What makes SPIR-V of an entry, by the language that it is given
+# Compilers of an entry to SPIR-V, by source language
 SPIRV = {
     "GLSL": lambda entry: glslang.spirv(shaders.glsl(entry, "450"), "frag", glslang.VULKAN),
     "HLSL": lambda entry: glslang.hlsl(shaders.hlsl(5), "frag", f"{entry}_PS"),
@@ -44,7 +44,7 @@ SPIRV = {
 
 
 def cells_of(result: Compilation, variant: str) -> list[tuple[Program, str, Cell]]:
-    """(program, compiler, what it said) of a variant, or the end of the test where a compiler is missing."""
+    """Return (program, compiler, outcome) for a variant; skips the test if a compiler is missing."""
     rows = [row for row in result.rows if row.program.variant == variant]
     cells = [(row.program, name, cell) for row in rows for name, cell in row.cells.items()]
     with needed("compiler"):
@@ -57,7 +57,7 @@ def cells_of(result: Compilation, variant: str) -> list[tuple[Program, str, Cell
 @pytest.mark.inputs(*COMPILED)
 @pytest.mark.parametrize("variant", VARIANTS)
 def test_accepted(variant, request, hand_over):
-    """All programs of a variant; few of them for a brief report."""
+    """Compile all programs of a variant; for a brief report only a few."""
     report = request.config.getoption("--report")
     brief = report == BRIEF
     programs = load(quick=brief, main=brief or not (report or request.config.getoption("--all")))
@@ -69,7 +69,9 @@ def test_accepted(variant, request, hand_over):
 
 @pytest.mark.parametrize("program", SAMPLE, ids=lambda program: program.variant)
 def test_an_undeclared_name_is_noticed(program):
-    """By every compiler that is given the text, with its place in the package's file."""
+    """Check that every compiler that receives the text rejects an undeclared name, with its position in the package's
+    file.
+    """
     right, wrong = "samplePixel * weight", "samplePixel * weigth"
     result = compile_programs([program], edit=lambda source: source.replace(right, wrong))
     lines = shaders.file_text(program.language, "bokeh_paper").splitlines()
@@ -84,14 +86,14 @@ def test_an_undeclared_name_is_noticed(program):
 
 @pytest.mark.parametrize("entry", ["BokehComposite", "BokehNaiveGather", "BokehHexagonFirst", "BokehPrefilter"])
 def test_no_sample_takes_its_level_from_derivatives(entry):
-    """Such a sample is an error in a loop or a branch in HLSL and WGSL; SPIR-V says it."""
+    """Check that no sample uses derivatives: in a loop or branch that is an error in HLSL and WGSL. SPIR-V shows it."""
     for build in SPIRV.values():
         text = disassembled(compiled(partial(build, entry)).binary)
         assert "OpImageSampleExplicitLod" in text and "ImplicitLod" not in text
 
 
 def test_depth_and_kernel_need_no_filtering_sampler():
-    """naga builds on a layout where they are unfilterable, so depth through a sampler has to fail there."""
+    """Check that filtering depth fails: naga's layout declares depth as unfilterable."""
     direct = "BokehFetchDepth(DepthSamp, BokehToTexture(sampleCoords))"
     linear = "BokehFetch(DepthSamp, sampleCoords, BokehLinearClamp).r"
     programs = [one for one in PROGRAMS if (one.variant, one.entry) == ("wgsl", "BokehDepthOfField")]
@@ -100,7 +102,7 @@ def test_depth_and_kernel_need_no_filtering_sampler():
 
 
 def test_slang_bindings():
-    """Slang's options in own-engine.md are those of the harness, and bind as the page says."""
+    """Check that Slang's options in own-engine.md are the harness's, and give the bindings that the page states."""
     assert " ".join(slang.SHIFTS) in (paths.ROOT / "docs/own-engine.md").read_text(encoding="utf-8")
     text = disassembled(compiled(partial(SPIRV["HLSL, Slang"], "BokehComposite")).binary)
     bound = {name: int(place) for name, place in re.findall(r"OpDecorate %(\w+) Binding (\d+)", text)}
@@ -122,11 +124,13 @@ def test_slang_bindings():
     ids=["glslang", "glslang HLSL", "dxc", "slang", "spirv-val", "spirv-cross"],
 )
 def test_what_is_missing_is_noticed(build):
-    """An entry point, the end of a module."""
+    """Check that a missing entry point, and a truncated module, are noticed."""
     assert not compiled(build).ok
 
 
 def test_nothing_installed(monkeypatch):
+    """Check that every missing compiler is reported with how to install it."""
+
     def absent():
         raise Unavailable("no driver; apt-get install -y driver")
 
@@ -136,6 +140,6 @@ def test_nothing_installed(monkeypatch):
         monkeypatch.setattr(place, name, absent)
     result = compile_programs([program for program in SAMPLE if program.profile in ("450", "wgsl")])
     assert {cell.status for row in result.rows for cell in row.cells.values()} == {MISSING}
-    # glslang, mesa, naga, tint: the rest takes glslang's output
+    # glslang, mesa, naga and tint; the others take glslang's output
     assert len(result.missing) == 4 and all("apt-get install -y" in text for text in result.missing.values())
     assert not result.failures()

@@ -1,4 +1,6 @@
-"""A wrong configuration stops with the package's own text, in every compiler, not with a riddle further down."""
+"""Check that a wrong configuration stops with the package's own message in every compiler, not with an obscure error
+later.
+"""
 
 import pytest
 from support import compiled, load, says
@@ -8,14 +10,14 @@ from bokeh_validation.compile_matrix import mesa
 from bokeh_validation.compilers import dxc, fxc, glslang
 
 GLSL, GLSL_TEXT = shaders.glsl("BokehDebug"), shaders.text("glsl")
-# What stands before the passes is wanted by those that need it alone
+# Files that only some of the passes need
 LIBRARY, PAPER, LAYERS, LENS = ("bokeh", "bokeh_paper", "bokeh_layers", "bokeh_lens")
 HIGH = {"BOKEH_PRESET_HIGH": 1}
 PRESET, TWO = "define it or them, not both", "two presets are defined: keep one"
 
 
 def without(text: str, language: str, *stems: str) -> str:
-    """A program that lacks files."""
+    """Return a program without some of the files."""
     for stem in stems:
         text = text.replace(shaders.file_text(language, stem), "")
     return text
@@ -57,13 +59,14 @@ WRONG_HLSL = {
     ),
     "7": (shaders.hlsl(7), "BOKEH_HLSL_SM must be 3, 4, 5 or 6"),
 }
-# compilers by what they take: source, stage, entry
+# compilers by name: source, stage, entry -> result
 HLSL = {"glslang": glslang.hlsl, "dxc": dxc.build, "fxc": lambda *given: fxc.build(*given, 5)}
 
 
 @pytest.mark.parametrize("case", ["right", "bokeh and the passes alone", *WRONG_GLSL])
 @pytest.mark.parametrize("compiler", ["glslang", "mesa"])
 def test_glsl(compiler, case):
+    """Compile correct and wrong GLSL configurations, and check the messages."""
     alone = without(GLSL, "glsl", PAPER, LAYERS, LENS)
     source, words = ({"right": (GLSL, ""), "bokeh and the passes alone": (alone, "")} | WRONG_GLSL)[case]
     if compiler == "glslang":
@@ -76,7 +79,9 @@ def test_glsl(compiler, case):
 @pytest.mark.parametrize("case", ["4", "5", "6", *WRONG_HLSL])
 @pytest.mark.parametrize("compiler", HLSL)
 def test_hlsl(compiler, case):
-    """Right with all files, and with the library and the passes alone."""
+    """Compile correct and wrong HLSL configurations; correct ones with all files, and with only the library and the
+    passes.
+    """
     source, words = WRONG_HLSL.get(case) or (shaders.hlsl(int(case)), "")
     for text in (source,) if words else (source, without(source, "hlsl", PAPER, LAYERS, LENS)):
         result = compiled(lambda text=text: HLSL[compiler](text, "frag", "BokehDebug_PS"))
@@ -85,11 +90,13 @@ def test_hlsl(compiler, case):
 
 @pytest.mark.parametrize("kind", ["texture_multisampled_2d<f32>", "texture_depth_multisampled_2d", "texture_depth_2d"])
 def test_other_depth_buffers(kind):
-    """Multisampled, in each language: BOKEH_DEPTH_MULTISAMPLED 1, in WGSL another type in place of the alias."""
+    """Compile for multisampled depth buffers in each language: BOKEH_DEPTH_MULTISAMPLED 1, in WGSL
+    another alias type.
+    """
     entry, values, text = "BokehSignedCoCMap", {"BOKEH_DEPTH_MULTISAMPLED": 1}, shaders.text("wgsl")
     alias = "alias BokehDepthTexture = texture_2d<f32>;"
     assert alias in text
-    # naga refuses what is wrong by an exception
+    # naga raises an exception if the module is wrong
     load("wgpu").device.create_shader_module(code=text.replace(alias, f"alias BokehDepthTexture = {kind};"))
     results = []
     if kind.endswith("2d<f32>"):

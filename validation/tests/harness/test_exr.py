@@ -1,4 +1,4 @@
-"""EXR files as renderers write them, and as nobody should: read right, or refused in one line within bounded memory."""
+"""Read EXR files as renderers write them, and invalid ones, which must be refused in one line within bounded memory."""
 
 import json
 import os
@@ -16,18 +16,18 @@ from bokeh_validation.errors import UserError
 
 COMPRESSIONS = ("NO", "ZIP", "PIZ", "DWAA")
 KINDS = {"scan lines": OpenEXR.scanlineimage, "tiles": OpenEXR.tiledimage}
-SIZE = 70, 41  # fills no block, tile or chunk of any compression
+SIZE = 70, 41  # a multiple of no compression's block, tile or chunk
 
 
 def scene() -> dict[str, np.ndarray]:
-    """R G B and Z with another value in each pixel; Z and half floats keep theirs in every lossless compression."""
+    """Return R, G, B and Z with different values in every pixel; lossless compression preserves Z and half floats."""
     random = np.random.default_rng(5)
     planes = {name: (random.integers(0, 2048, SIZE) / 256).astype(np.float16) for name in "RGB"}
     return {**planes, "Z": random.integers(1, 200, SIZE).astype(np.float32)}
 
 
 def save(path: Path, channels: dict, **header) -> Path:
-    """One part, zipped scan lines unless the header says otherwise."""
+    """Write one part, as zipped scan lines unless the header says otherwise."""
     header = {"compression": OpenEXR.ZIP_COMPRESSION, "type": OpenEXR.scanlineimage, **header}
     if header["type"] == OpenEXR.tiledimage:
         header["tiles"] = OpenEXR.TileDescription()
@@ -37,12 +37,12 @@ def save(path: Path, channels: dict, **header) -> Path:
 
 
 def numbered(names: str) -> dict[str, np.ndarray]:
-    """Channels, each holding its own number."""
+    """Return channels that each hold their own number."""
     return {name: np.full((3, 4), number + 1, np.float32) for number, name in enumerate(names.split())}
 
 
 def assert_same(got: exr.Scene, channels: dict[str, np.ndarray], *names: str) -> None:
-    """The scene holds exactly the channels of these names: R, G, B and Z."""
+    """Check that the scene holds exactly the channels of these names: R, G, B and Z."""
     for k, name in enumerate(names[:3] or "RGB"):
         np.testing.assert_array_equal(got.color[..., k], channels[name])
     np.testing.assert_array_equal(got.depth, channels[names[3] if names else "Z"])
@@ -50,7 +50,7 @@ def assert_same(got: exr.Scene, channels: dict[str, np.ndarray], *names: str) ->
 
 
 def assert_refused(path: Path, *words: str, **options) -> None:
-    """In one line that names the file and has these words."""
+    """Check that a file is refused in one line with its name and these words."""
     with pytest.raises(UserError) as caught:
         exr.read(path, **options)
     line = str(caught.value)
@@ -59,7 +59,7 @@ def assert_refused(path: Path, *words: str, **options) -> None:
 
 
 def written(folder: Path) -> dict[str, Path]:
-    """The same scene in every way of COMPRESSIONS and KINDS."""
+    """Write the same scene with every compression and kind; returns name -> path."""
     files = {}
     for compression in COMPRESSIONS:
         for kind, image in KINDS.items():
@@ -69,7 +69,9 @@ def written(folder: Path) -> dict[str, Path]:
 
 
 def test_compressions(tmp_path):
-    """Scan lines and tiles: every pixel as it was, R as R; in a lossy one to a hundredth of the largest."""
+    """Check scan lines and tiles: every pixel unchanged, channels not swapped; lossy compression is
+    close on average.
+    """
     for name, path in written(tmp_path).items():
         got = exr.read(path)
         if "DWAA" not in name:
@@ -79,7 +81,9 @@ def test_compressions(tmp_path):
 
 
 def test_kinds(tmp_path):
-    """Half stays half; float, or half mixed with float, is float; half depth; an infinite sky; uint beside them."""
+    """Check formats: half stays half; float, or half mixed with float, becomes float; half depth; infinite sky; uint
+    is refused.
+    """
     channels = scene()
     channels["Z"][3, 4] = np.inf
     ids = np.ones(SIZE, np.uint32)
@@ -94,7 +98,9 @@ def test_kinds(tmp_path):
 
 
 def test_layers_and_parts(tmp_path):
-    """A name is the channel's, or the part's and the channel's; where several parts have it, it must be the longer."""
+    """Check names of layers and parts: CHANNEL or PART.CHANNEL, where the latter is required if several
+    parts have it.
+    """
     blender = "V.Combined.R V.Combined.G V.Combined.B V.Depth.Z V.Normal.X V.Normal.Y V.Normal.Z"
     channels, path = numbered(blender), tmp_path / "in.exr"
     got = exr.read(save(path, channels), "V.Depth.Z", "V.Combined")
@@ -114,7 +120,7 @@ def test_layers_and_parts(tmp_path):
 
 @pytest.mark.timeout(20)
 def test_no_image_to_blur(tmp_path):
-    """Pipes without waiting for them; deep and cropped images; names that are no text; more than there is room for."""
+    """Refuse pipes without waiting, deep and cropped images, invalid channel names, and images too large for memory."""
     os.mkfifo(tmp_path / "pipe.exr")
     assert_refused(tmp_path / "pipe.exr", "no such file", "a pipe")
     samples = np.empty((3, 4), object)
@@ -151,10 +157,11 @@ print(json.dumps(lines))
 
 
 def test_cut_off_and_flipped_bytes(tmp_path):
-    """Damaged files are refused in a line or, some with other bytes, read; nothing else is printed, within 2 GiB.
+    """Check that damaged files are refused in one line or, if other bytes are changed, read, within 2 GiB and without
+    other output.
 
-    Each is cut off after k sixteenths of its bytes, and before its last. 300 have 1 to 11 bytes changed, in the header
-    or anywhere; the number in their names is the seed that made it.
+    Each file is truncated after k sixteenths of its bytes, and before its last byte. 300 files have 1 to 11 bytes
+    changed, in the header or anywhere; the number in their names is the random seed.
     """
     folder, good = tmp_path / "damaged", {name: path.read_bytes() for name, path in written(tmp_path).items()}
     folder.mkdir()

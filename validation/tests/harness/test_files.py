@@ -1,4 +1,4 @@
-"""What commands write: whole or not at all, and never in the place of something that is no plain file."""
+"""Test that files are written whole or not at all, and never replace something that is no plain file."""
 
 import os
 import stat
@@ -16,7 +16,7 @@ def write(path) -> None:
 
 
 def test_a_pipe_stays(tmp_path):
-    """A pipe is refused and is still there: renaming over it would replace it, as it would replace a device."""
+    """Check that a pipe is refused and remains: renaming a file over it would replace it, or a device."""
     os.mkfifo(tmp_path / "pipe")
     refused(called("truth", "--json", tmp_path / "pipe"), ["pipe", "no plain file"])
     with pytest.raises(UserError, match="no plain file"):
@@ -25,7 +25,7 @@ def test_a_pipe_stays(tmp_path):
 
 
 def test_a_link_leads_on(tmp_path):
-    """The file that a link leads to is written, in its own folder; the link stays."""
+    """Check that the target of a link is written, in its own folder, and that the link remains."""
     (tmp_path / "folder").mkdir()
     (tmp_path / "folder/file").write_text("old")
     for target in ("folder/file", "folder/new"):
@@ -37,13 +37,13 @@ def test_a_link_leads_on(tmp_path):
 
 
 def test_long_names(tmp_path):
-    """As long as the system allows: written. Longer: one line."""
+    """Check that the longest names that the system allows work, and that longer ones give one line."""
     write(tmp_path / ("x" * 255))
     refused(called("truth", "--json", tmp_path / ("x" * 256)), ["cannot be written", "too long"])
 
 
 def test_what_fails_leaves_nothing(tmp_path):
-    """The file that was there stays, and nothing is beside it."""
+    """Check that after a failure the old file is intact and nothing is left next to it."""
     (tmp_path / "file").write_text("old")
 
     def save(partial):

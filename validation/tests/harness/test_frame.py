@@ -1,4 +1,4 @@
-"""The frame as data: an engine that knows nothing but the JSON draws it; what is made from it is not out of date."""
+"""Test the frame as data: an engine that knows only the JSON can draw it, and generated files are up to date."""
 
 import json
 import re
@@ -16,16 +16,16 @@ from bokeh_validation.frame import aperture_shapes, methods
 from bokeh_validation.probes import cases
 from bokeh_validation.shaders.passes import target_size
 
-# The lens blurs the near and the far depths of `picture` by most of the height, so that every pass has work to do.
+# The lens blurs the near and far depths of `picture` by most of the height, so that every pass has something to do.
 CAMERA = methods.Camera(aperture_diameter=0.4, focal_length=0.05, focus_distance=2.0, max_coc=0.8)
 SIZE, WINDOW = (101, 77), (8, 16, 71, 53)
 SETTINGS = cases.tagged(cases.JSON, CAMERA)
-# Drawn into a part of the textures
+# Settings to draw into a part of the textures
 IN_WINDOW = ("exact decagon, one target", "layered, one target")
 
 
 def picture(size: tuple[int, int]) -> dict[str, np.ndarray]:
-    """Colour and depth of blocks of 4 x 4 pixels: near, in focus, a little behind it, and far."""
+    """Return colour and depth of blocks of 4 x 4 pixels: near, in focus, slightly behind the focus, and far."""
     random = np.random.default_rng(5)
     wide, high = size
     color = np.ones((high, wide, 4), np.float16)
@@ -34,14 +34,14 @@ def picture(size: tuple[int, int]) -> dict[str, np.ndarray]:
     return {"color": color, "depth": blocks.repeat(4, 0).repeat(4, 1)[:high, :wide].copy()}
 
 
-# load() and draw() of docs/own-engine.md, as they are printed
+# load() and draw() of docs/own-engine.md, as printed
 PAGE = (paths.ROOT / "docs/own-engine.md").read_text(encoding="utf-8")
 FRAME: dict = {}
 exec(re.search(r"^```python\n(.*?)^```", PAGE, re.MULTILINE | re.DOTALL)[1], FRAME)
 
 
 class Renderer:
-    """The page's `gpu`, OpenGL 3.3."""
+    """Implement the page's `gpu` with OpenGL 3.3."""
 
     def __init__(self, context: moderngl.Context):
         self.context, self.current = context, None
@@ -75,14 +75,16 @@ class Renderer:
 
 
 def given(context: moderngl.Context, pixels: np.ndarray) -> moderngl.Texture:
-    """A texture that no pass writes."""
+    """Create a texture of these pixels, which no pass writes."""
     size, channels = pixels.shape[1::-1], pixels.shape[2] if pixels.ndim == 3 else 1
     return context.texture(size, channels, pixels.tobytes(), alignment=1, dtype={2: "f2", 4: "f4"}[pixels.itemsize])
 
 
 @pytest.mark.parametrize("name", SETTINGS)
 def test_an_engine_runs_from_the_json(name):
-    """Bit for bit what the harness draws: every method, and every option of render."""
+    """Check that an engine which uses only the JSON draws bit-identical images to the harness, for every method and
+    option.
+    """
     settings, window = SETTINGS[name], WINDOW if name in IN_WINDOW else None
     planned = json.loads(json.dumps(frame.frame(settings, SIZE, window), allow_nan=False))
     plan = methods.plan(settings, window[2:] if window else SIZE)
@@ -91,10 +93,10 @@ def test_an_engine_runs_from_the_json(name):
     expected = driver.run(plan.passes, {**inputs, **plan.tables}, SIZE)["result"]
     driver.make_current()
     gpu = Renderer(driver.context)
-    # a method without presets: a name that nothing reads
+    # for methods without presets: a define that nothing reads
     planned["preset"] = planned["preset"] or {"define": "BOKEH_PRESET_NONE"}
     programs, textures = FRAME["load"](gpu, planned, lambda file: (paths.ROOT / file).read_text("ascii"), *SIZE)
-    # metres already: BokehDepthKind 0
+    # depth is in metres, BokehDepthKind 0
     tables = {key: np.float32([[(x, y, 0.0, 0.0) for x, y in rows]]) for key, rows in planned["tables"].items()}
     for key, pixels in {"color": inputs["color"], "depth buffer": inputs["depth"], **tables}.items():
         textures[key] = given(driver.context, pixels)
@@ -107,7 +109,7 @@ def test_an_engine_runs_from_the_json(name):
 
 
 def test_dxc_for_vulkan(monkeypatch):
-    """DXC takes the options of docs/own-engine.md; its bindings are the JSON's, and so is the length of the block."""
+    """Compile with the DXC options of docs/own-engine.md; bindings and the size of the block must match the JSON."""
     planned = frame.frame(methods.Settings("layered"), SIZE)
     vertex, fragment = re.findall(
         r"dxc -spirv -T \w+ -E (\w+)((?: -fvk[^\n]*?(?= passes.hlsl)|.*?```))", PAGE, re.DOTALL
@@ -128,9 +130,10 @@ def test_dxc_for_vulkan(monkeypatch):
 @pytest.mark.parametrize("targets", [True, False])
 @pytest.mark.parametrize("method", aperture_shapes.METHODS)
 def test_every_frame_is_whole(method, targets):
-    """What is read was written before or handed in, what is written is read; all is set free once, but the result.
+    """Check that every texture read is supplied or was written before, every target is read, and each is freed once
+    except the result.
 
-    Textures share memory with their like, and no two at a time.
+    Textures share memory with others of their kind, and never two at a time.
     """
     for aperture in methods.EXACT if method in ("exact", "layered") else aperture_shapes.NAMES:
         planned = frame.frame(methods.Settings(method, aperture, use_mrt=targets), (1921, 1081))
@@ -152,26 +155,26 @@ def test_every_frame_is_whole(method, targets):
 
 
 def test_the_command():
-    """`validation/run plan` prints frame() as JSON."""
+    """Check that `validation/run plan` prints frame() as JSON."""
     done = called("plan", "--method", "layered", "--size", "1921x1081")
     planned = frame.frame(options.DEFAULT, (1921, 1081))
     assert done.returncode == 0 and json.loads(done.stdout) == json.loads(json.dumps(planned)), done.stderr
 
 
 def test_nothing_is_out_of_date():
-    """Every generated file is what `validation/run generate` would write now."""
+    """Check that `validation/run generate` would not change any file."""
     assert list(generate.out_of_date()) == []
 
 
 def test_a_region_needs_its_markers():
-    """A file without them is left alone."""
+    """Check that a file without the markers is refused."""
     with pytest.raises(UserError, match="a.py: its markers .* Restore them"):
         marker = f"# {generate.WRITTEN_BY} {generate.FRAME}: "
         generate.replaced("a.py", f"{marker}begin\n", f"{marker}begin\n{marker}end\n")
 
 
 def test_layers_page():
-    """docs/methods/layered.md: its presets are the code's, the passes that it explains a frame's."""
+    """Compare docs/methods/layered.md with the code: its presets, and the passes that it explains."""
     text = (paths.ROOT / "docs/methods/layered.md").read_text(encoding="utf-8")
     rows = re.findall(r"^\| `BOKEH_PRESET_(\w+)`[^|]*\| (\d+) \| (\d+) \| (\w+) \|", text, re.MULTILINE)
     enlarged = {"bilinear": 0, "cubic": 1}
@@ -182,7 +185,7 @@ def test_layers_page():
 
 
 def test_exact_page():
-    """docs/methods/exact.md: its presets are the code's."""
+    """Compare the presets in docs/methods/exact.md with the code."""
     text = (paths.ROOT / "docs/methods/exact.md").read_text(encoding="utf-8")
     rows = re.findall(r"^\| `BOKEH_PRESET_(\w+)`[^|]*\| (\d+) \| ([\d.]+) \|$", text, re.MULTILINE)
     assert {name.lower(): (int(count), float(spacing)) for name, count, spacing in rows} == methods.EXACT_PRESETS
@@ -191,8 +194,9 @@ def test_exact_page():
 @pytest.mark.parametrize("targets", [True, False])
 @pytest.mark.parametrize("method", ["exact", "layered", "paper"])
 def test_layouts_made_from_the_wgsl(method, targets):
-    """WebGPU makes a layout of its own for each pass, the debug view's too. It has what the JSON says, no more and no
-    less: another set of bindings is an error of the device.
+    """Check the layouts that WebGPU derives from each pass, the debug view included, against the JSON.
+
+    A set of bindings with more or fewer entries is an error of the device.
     """
     device = load("wgpu").device
     for aperture in ("square", "hexagon", "octagon") if method != "paper" else ("hexagon", "octagon"):

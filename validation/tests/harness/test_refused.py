@@ -1,4 +1,6 @@
-"""Bad options of every command: one line that says what is wrong and what is allowed, exit code 2, nothing written."""
+"""Test bad options of every command: one line says what is wrong and what is allowed, exit code 2,
+nothing is written.
+"""
 
 import shlex
 
@@ -7,7 +9,7 @@ from support import called, refused
 
 from bokeh_validation import paths
 
-# command and options | words of the line
+# command and options | words that the line must have
 REFUSED = """
 render --depth-channel depth | no depth channel 'depth'; B G R Z
 render --focus-distance 0.05 | --focus-distance 0.05; focal length 0.05
@@ -78,7 +80,7 @@ truth --motion pan --method "gather, jitter" | gather, jitter: unknown; layered 
 
 @pytest.mark.parametrize("row", REFUSED.strip().splitlines())
 def test_bad_option(row, tmp_path, monkeypatch):
-    """An output that was there before is left alone."""
+    """Check the message, and that an existing output is left unchanged."""
     monkeypatch.chdir(tmp_path)
     options, _, words = row.partition(" | ")
     command, *options = shlex.split(options)

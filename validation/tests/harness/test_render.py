@@ -1,4 +1,4 @@
-"""validation/run render as a user calls it: results, formats, and one line for every kind of bad input."""
+"""Test validation/run render as a user runs it: results, formats, and one line for every kind of bad input."""
 
 import json
 import os
@@ -27,13 +27,13 @@ CAMERA = ["--aperture-diameter", "0.05", "--focal-length", "0.05", "--focus-dist
 
 
 def run(*arguments: object, cwd: Path | None = None) -> subprocess.CompletedProcess:
-    """The command line in a process of its own."""
+    """Run the command line in its own process."""
     command = [sys.executable, "-m", "bokeh_validation", *map(str, arguments)]
     return subprocess.run(command, capture_output=True, text=True, timeout=120, cwd=cwd, env=ENVIRONMENT)
 
 
 def test_street_in_a_folder_with_spaces(tmp_path):
-    """The README's command: half stays half, alpha is the CoC, the picture is the reference's."""
+    """Run the README's command: half floats stay half, alpha is the CoC, and the result matches the reference."""
     folder = tmp_path / "a folder with spaces"
     folder.mkdir()
     source = folder / "in put.exr"
@@ -64,7 +64,7 @@ def test_street_in_a_folder_with_spaces(tmp_path):
 
 
 def test_float_stays_float_and_constant_coc_needs_no_depth(tmp_path):
-    """Float in, float out; --coc without a depth channel."""
+    """Check that float input gives float output, and that --coc needs no depth channel."""
     source = str(tmp_path / "in.exr")
     OpenEXR.File({"type": OpenEXR.scanlineimage}, {name: np.ones((6, 8), np.float32) for name in "RGB"}).write(source)
     done = run("render", source, "-o", tmp_path / "out.exr", "--coc", "0.1", "--driver", "osmesa")
@@ -73,13 +73,13 @@ def test_float_stays_float_and_constant_coc_needs_no_depth(tmp_path):
 
 
 def test_every_option_reaches_the_settings():
-    """Each option on the command line does to the passes what its field of the settings does."""
+    """Check that each option of the command line has the same effect on the passes as its field of the settings."""
     for option in options.TABLE:
         base = Settings(option.methods[0], "octagon", camera=methods.Camera(0.2))
         settings = option.put(base, VALUES[option.name])
         given = ["--method", settings.method, "--aperture", settings.aperture, *option.told(settings).split()]
         if option.name not in ("aperture-diameter", "coc"):
-            given += ["--aperture-diameter", "0.2"]  # else it follows the f-stop
+            given += ["--aperture-diameter", "0.2"]  # otherwise the f-stop sets it
         elif option.name == "coc":
             settings = replace(settings, camera=options.DEFAULT.camera)
         done = called("plan", *given, "--size", "64x48")
@@ -92,7 +92,7 @@ def test_every_option_reaches_the_settings():
      ("--focal-length 0.07", 0.07 / 2.8 * 10), ("--aperture-diameter 0.1 --focal-length 0.07", 0.1)],
 )  # fmt: skip
 def test_the_lens_is_that_of_the_integrations(given, diameter):
-    """Without options an f-stop of 2.8 and a blur ten times as wide; the aperture follows the focal length."""
+    """Check the default lens: f/2.8 and a bokeh scale of 10; the aperture follows the focal length."""
     done = called("plan", *given.split(), "--size", "64x48")
     assert json.loads(done.stdout)["parameters"]["BokehApertureDiameter"] == pytest.approx(diameter)
 
@@ -115,8 +115,8 @@ BASES = [
 
 @pytest.mark.parametrize("base", BASES, ids=lambda base: f"{base.method} {base.aperture} {base.jitter:g}")
 def test_an_option_has_an_effect_or_is_refused(base):
-    """On the picture, or on which passes are drawn."""
-    # the same CoC everywhere is one layer: only wide ones have room for jitter between their samples
+    """Check that each option changes the image or the list of passes, or is refused."""
+    # a constant CoC makes one layer; only a wide one has samples far enough apart for jitter
     driver, size = load("egl"), (192, 144) if base.coc else (64, 48)
 
     def drawn(settings: Settings) -> tuple:
@@ -132,13 +132,13 @@ def test_an_option_has_an_effect_or_is_refused(base):
             continue
         if drawn(changed) == before:
             idle.append(option.name)
-    # a larger --max-coc is what lets a larger --coc pass
+    # a larger --max-coc only makes room for a larger --coc
     assert set(idle) <= ({"max-coc"} if base.coc else set())
 
 
 @pytest.mark.parametrize("size", [0, 9000], ids=["empty", "truncated"])
 def test_bad_file(size, tmp_path):
-    """One line, and no output, nor a part of it: test_exr.py has what else is refused."""
+    """Check that a broken file gives one line and no output, not even a partial one; test_exr.py has other refusals."""
     source = tmp_path / "bad.exr"
     source.write_bytes(STREET.read_bytes()[:size])
     refused(called("render", source, "-o", tmp_path / "out.exr"), ["bad.exr: cannot be read as OpenEXR"])
@@ -147,20 +147,20 @@ def test_bad_file(size, tmp_path):
 
 @pytest.mark.parametrize("target", ["/no/such/folder/out.exr", "/proc/out.exr", "."])
 def test_unwritable_output(target, tmp_path):
-    """Refused before any work, or without leaving anything."""
+    """Check that an unwritable output is refused before any work, or leaves nothing behind."""
     refused(run("render", STREET, "-o", target, cwd=tmp_path), [target if target != "." else "folder"])
     assert not list(tmp_path.iterdir())
 
 
 def test_usage_errors():
-    """No arguments, no output, an unknown command."""
+    """Check calls without arguments, without an output, and with an unknown command."""
     refused(called("render"), ["IN.exr"])
     refused(called("render", STREET), ["--output"])
     refused(called("bogus"), ["bogus"])
 
 
 def test_closed_output():
-    """`>&-`: the refusal is one line still."""
+    """Check that a refusal is still one line with standard output closed (`>&-`)."""
     command = f"exec {shlex.quote(sys.executable)} -m bokeh_validation render nothing.exr -o out.exr >&-"
     done = subprocess.run(["bash", "-c", command], stderr=subprocess.PIPE, text=True, env=ENVIRONMENT)
     refused(subprocess.CompletedProcess(command, done.returncode, "", done.stderr), ["nothing.exr: no such file"])

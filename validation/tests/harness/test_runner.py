@@ -1,4 +1,4 @@
-"""How tests are distributed, and which are skipped since nothing that they depend on has changed."""
+"""Test how tests are distributed, and which are skipped because their inputs have not changed."""
 
 from bokeh_validation import paths
 from bokeh_validation.run import schedule, unchanged
@@ -12,7 +12,9 @@ def pytest_addoption(parser):
 
 
 def test_units():
-    """Neighbours until 20 s are full; a shared set-up is not parted from its tests; an unknown test counts as 1 s."""
+    """Check units: neighbours up to 20 s, tests that share a slow set-up stay together, an unknown test is assumed to
+    take 1 s.
+    """
     durations = {f"a.py::{n}": [0.0, 15.0] for n in range(4)} | {"b.py::0": [9.0, 30.0], "b.py::1": [0.0, 30.0]}
     durations |= {"c.py::0": [9.0, 30.0], "c.py::1": [8.0, 10.0]}
     found = schedule.units([*durations, *(f"d.py::{n}" for n in range(21))], durations)
@@ -21,7 +23,7 @@ def test_units():
 
 
 def test_longest_first(pytester):
-    """What took longest the last time is begun first."""
+    """Check that the test that took longest last time starts first."""
     pytester.makeconftest(CONFTEST)
     names = ("quick", "slow", "slower")
     for name, seconds in zip(names, (0.0, 0.3, 0.6), strict=True):
@@ -32,7 +34,9 @@ def test_longest_first(pytester):
 
 
 def test_unchanged(pytester, monkeypatch):
-    """Run once, then skipped, until a file in one of its folders changes; a failure is no reason to skip."""
+    """Check that a test runs once, is then skipped until a file in its folders changes, and is never skipped after a
+    failure.
+    """
     monkeypatch.setattr(paths, "ROOT", pytester.path)
     folder = pytester.mkdir("folder")
     (folder / "value").write_text("1")

@@ -1,4 +1,4 @@
-"""What commands need is one table; set-up installs by it, and says in one line what failed."""
+"""Test the table of what commands need; set-up installs from it and reports a failure in one line."""
 
 import ast
 import hashlib
@@ -17,23 +17,26 @@ from bokeh_validation import cli, needs, paths, setup
 CONTRIBUTING = (paths.ROOT / "CONTRIBUTING.md").read_text(encoding="utf-8")
 PROJECT = tomllib.loads((paths.VALIDATION / "pyproject.toml").read_text(encoding="utf-8"))["project"]
 EXTRAS = PROJECT["optional-dependencies"]
-# nothing listens there
+# no server listens there
 NO_INDEX = {"PIP_INDEX_URL": "http://127.0.0.1:9/simple", "PIP_RETRIES": "0"}
 
 
 def test_every_command_is_in_the_table():
+    """Check that the table has every command."""
     assert set(needs.COMMANDS) - {"", "test"} == set(cli.COMMANDS)
 
 
 def test_every_need_is_known():
-    """And each row is wanted by a command, or is one that set-up does not install."""
+    """Check that commands name only known needs, and that set-up installs every other row except those listed here."""
     used = {name for names in (*needs.COMMANDS.values(), *needs.WORDS.values()) for name in names}
     assert used <= set(needs.NEEDS)
     assert set(needs.NEEDS) - used == {"glslang", "window", "cargo"}
 
 
 def test_extras():
-    """pyproject.toml, the table and the locks have the same; each lock pins every package of its extra, with hashes."""
+    """Check that pyproject.toml, the table and the locks have the same extras; locks pin every package of an extra
+    with hashes.
+    """
     assert set(EXTRAS) == set(setup.LOCKS) == {need.extra for need in needs.NEEDS.values() if need.extra}
     for extra, lock in setup.LOCKS.items():
         text = lock.read_text(encoding="ascii")
@@ -43,12 +46,13 @@ def test_extras():
 
 
 def test_entry_point():
+    """Check that the installed command calls cli.main()."""
     module, _, function = PROJECT["scripts"]["bokeh-validation"].partition(":")
     assert getattr(sys.modules[module], function) is cli.main
 
 
 def test_contributing():
-    """Its sizes are those of the table: what a row has in megabytes is the sum for that command."""
+    """Compare the sizes in CONTRIBUTING.md with the sums of the table's rows for each command."""
     rows = re.findall(r"^\| `validation/run ?([^`]*)` \|.*?\| (.*) \|$", CONTRIBUTING, re.MULTILINE)
     told = {words: re.search(r"(\d+) MB", said) for words, said in rows}
     for words in ("parity", "check", "", "--full"):
@@ -56,7 +60,7 @@ def test_contributing():
 
 
 def test_of():
-    """A word of the command line can need more than its command; the version needs no Debian package."""
+    """Check that words of a command line can add needs, and that the version needs no Debian package."""
     assert needs.packages(needs.of(["--version"])) == () == needs.packages(needs.of(["parity"]))
     assert "wine" in needs.of(["render", "--driver=d3d9"]) and "wine" not in needs.of(["render"])
     assert {"chromium", "web"} <= set(needs.of(["check", "--driver", "webgl2"]))
@@ -64,12 +68,13 @@ def test_of():
 
 
 def test_install():
+    """Check the text that says how to install a need."""
     assert needs.install("npm") == "apt-get install -y --no-install-recommends npm (https://nodejs.org)"
     assert "validation[web]" in needs.install("web")
 
 
 def test_messages_come_from_the_table():
-    """No other module spells out a line of apt-get."""
+    """Check that no other module spells out an apt-get command."""
     for folder in ("bokeh_validation", "lab"):
         for file in (paths.VALIDATION / folder).rglob("*.py"):
             texts = (
@@ -80,7 +85,9 @@ def test_messages_come_from_the_table():
 
 
 def test_core_imports_nothing_of_one_system():
-    """Modules of Unix alone are imported within functions, so that the core can be imported on Windows."""
+    """Check that modules which exist only on Unix are imported inside functions, so that the core
+    imports on Windows.
+    """
     for file in (paths.VALIDATION / "bokeh_validation").rglob("*.py"):
         for node in ast.parse(file.read_text(encoding="utf-8")).body:
             names = [alias.name for alias in node.names] if isinstance(node, ast.Import) else []
@@ -89,7 +96,7 @@ def test_core_imports_nothing_of_one_system():
 
 @pytest.fixture
 def machine(tmp_path, monkeypatch):
-    """An empty cache folder, and programs in place of apt-get and dpkg that log their command lines."""
+    """Provide an empty cache folder, and stand-ins for apt-get and dpkg that log their command lines."""
     monkeypatch.setenv("BOKEH_CACHE", str(tmp_path / "cache"))
     paths.ensured(tmp_path / "cache")
     programs = paths.ensured(tmp_path / "programs")
@@ -106,7 +113,7 @@ def machine(tmp_path, monkeypatch):
 
 
 def test_packages_as_root(machine, monkeypatch, capsys):
-    """What is not to be had is said once, and remembered."""
+    """Check that an unobtainable package is reported once and remembered."""
     monkeypatch.setattr(os, "geteuid", lambda: 0)
     setup.install_packages(["one", "gone"])
     said = capsys.readouterr().err
@@ -116,6 +123,7 @@ def test_packages_as_root(machine, monkeypatch, capsys):
 
 
 def test_packages_as_user(machine, monkeypatch, capsys):
+    """Check that without root the apt-get command is printed and not run."""
     monkeypatch.setattr(os, "geteuid", lambda: 1000)
     setup.install_packages(["one", "two"])
     assert capsys.readouterr().err.splitlines() == [f"set-up: missing system packages; run: sudo {needs.APT} one two"]
@@ -123,7 +131,9 @@ def test_packages_as_user(machine, monkeypatch, capsys):
 
 
 def test_no_network(tmp_path):
-    """One line and exit code 2; what is half done is made again."""
+    """Check that a failed download gives one line and exit code 2, and leaves no environment that is
+    marked complete.
+    """
     environment = {**os.environ, **NO_INDEX, "BOKEH_CACHE": str(tmp_path)}
     environment.pop("BOKEH_SET_UP", None)
     done = subprocess.run([paths.VALIDATION / "run", "parity"], env=environment, capture_output=True, text=True)
@@ -134,6 +144,7 @@ def test_no_network(tmp_path):
 
 
 def test_folder_that_cannot_be_written():
+    """Check the message for a cache folder that cannot be written."""
     environment = {**os.environ, "BOKEH_CACHE": "/dev/null/x"}
     done = subprocess.run([paths.VALIDATION / "run", "parity"], env=environment, capture_output=True, text=True)
     assert done.returncode == 2 and done.stderr.splitlines() == [
@@ -142,7 +153,9 @@ def test_folder_that_cannot_be_written():
 
 
 def test_what_is_not_as_pinned_is_refused(tmp_path, monkeypatch):
-    """A package whose hash is another's or is not told: set-up fails and installs nothing, without asking an index."""
+    """Check that a package with a wrong or missing hash makes set-up fail without installing anything or asking an
+    index.
+    """
     wheel = tmp_path / "bokeh_trial-1.0-py3-none-any.whl"
     with zipfile.ZipFile(wheel, "w") as file:
         info = "bokeh_trial-1.0.dist-info"

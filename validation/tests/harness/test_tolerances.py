@@ -1,7 +1,7 @@
-"""A loosened tolerance of the comparison fails here: pictures a little beyond each bound are refused.
+"""Test the tolerances of the comparison: images slightly beyond each bound must be refused.
 
-The bound that decides is the interval, derived in numerics/precision.py. Those in steps are chosen, not derived: Mesa's
-software drivers stay well within them.
+The decisive bound is the interval, derived in numerics/precision.py. The bounds in steps are chosen, not derived:
+Mesa's software drivers stay well within them.
 """
 
 import numpy as np
@@ -16,7 +16,7 @@ STEP = 2.0**-10  # of a half float from 1 to 2
 
 
 def off(pixels: int, steps: float) -> metrics.Comparison:
-    """Of a picture of 1.5 with some pixels so many steps off, where the interval allows everything."""
+    """Compare an image of 1.5 with some pixels off by so many steps, while the interval allows everything."""
     picture = np.full(SHAPE, 1.5)
     picture.reshape(-1, 4)[:pixels] += steps * STEP
     wanted = np.full(SHAPE, 1.5)
@@ -35,10 +35,10 @@ def off(pixels: int, steps: float) -> metrics.Comparison:
     ],
 )
 def test_steps(pixels, steps, ok):
-    """All pixels may be 4 steps off, 0.005 of them more, none more than 32."""
+    """Check that all pixels may be 4 steps off, 0.005 of them more, and none more than 32."""
     assert off(pixels, steps).ok == ok
 
 
 def test_undecided():
-    """0.001 of the pixels may be far off where a comparison is open."""
+    """Check that 0.001 of the pixels may be far off if a comparison is open."""
     assert metrics.UNDECIDED_SHARE == 0.001

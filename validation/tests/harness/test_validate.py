@@ -1,4 +1,4 @@
-"""validation/run without a command: what it runs and says, and its report."""
+"""Test validation/run without a command: what it runs and prints, and its report."""
 
 import os
 import re
@@ -24,7 +24,7 @@ LEAKAGE_OK = Outcome("leakage", "", runs=[Run("egl", {})])
 
 
 class Dark(Reference):
-    """A driver with a fault: half as bright."""
+    """Simulate a faulty driver that draws at half the brightness."""
 
     name = "dark"
 
@@ -34,14 +34,14 @@ class Dark(Reference):
 
 
 def page_of(tmp_path, shown: list[Outcome]) -> str:
-    """The report of some sections."""
+    """Return the report of some sections."""
     market = Outcome("market_7", "", strips={"": []})
     validate.write_report(tmp_path / "page.html", validate.Everything(True, Compilation([]), shown, market, []))
     return (tmp_path / "page.html").read_text(encoding="utf-8")
 
 
 def test_brief(tmp_path, monkeypatch, capsys):
-    """One probe, language and compiler's variant: it says how long it takes, what it leaves out, and how it went."""
+    """Run one probe, language and compiler variant: it prints its duration, what it leaves out, and the result."""
     monkeypatch.setattr(validate, "BRIEF_DRIVERS", ("osmesa",))
     monkeypatch.setattr(probes, "PROBES", (LEAKAGE,))
     monkeypatch.setattr(validate, "BRIEF_VARIANTS", ("glsl-330",))
@@ -59,7 +59,9 @@ def test_brief(tmp_path, monkeypatch, capsys):
 
 
 def test_report_shows_what_differs(tmp_path):
-    """A picture that is wrong beside the reference's, with its distance; a cell for each driver."""
+    """Check that the report shows a wrong image next to the reference's, with the distance, and a cell for each
+    driver.
+    """
     (section,) = outcomes.merged(of_driver(LEAKAGE, driver) for driver in (Reference(), Dark()))
     good, bad = section.runs
     assert good.ok and not bad.ok and any("FAILED" in line for line in bad.lines(False)) and not section.ok
@@ -73,7 +75,7 @@ def test_report_shows_what_differs(tmp_path):
 
 
 def test_missing_driver(tmp_path, monkeypatch):
-    """A driver that is not there is told with its reason; under CI that is a failure."""
+    """Check that a missing driver is reported with its reason, and is a failure under CI."""
     monkeypatch.setattr(outcomes, "driver_or_reason", lambda name, _: f"no {name} here")
     section = outcomes.of_probe(LEAKAGE, "egl")
     assert section.missing == {"egl": "no egl here"} and not section.runs
@@ -86,7 +88,7 @@ def test_missing_driver(tmp_path, monkeypatch):
 
 
 def test_an_error_is_no_success(tmp_path):
-    """A test that failed, though what it handed over is as it should be: the name and the reason are told."""
+    """Check that a test that failed is reported even if the result that it handed over is right."""
     errors = session.unexplained({"a[b]": LEAKAGE_OK}, {"a[b]": "no lens", "c[d]": "no driver"})
     assert errors == {"b": "no lens", "d": "no driver"}
     found = validate.Everything(True, Compilation([]), [LEAKAGE_OK], None, [], errors)
@@ -96,7 +98,7 @@ def test_an_error_is_no_success(tmp_path):
 
 
 def test_interrupted():
-    """The command and its processes are gone. It is stopped while it works, in two processes of its own."""
+    """Check that after an interruption the command and its two worker processes are gone."""
     command = [sys.executable, "-P", "-m", "bokeh_validation"]
     environment = {**os.environ, "PYTHONPATH": str(paths.VALIDATION)}
     streams = {"stdout": subprocess.DEVNULL, "stderr": subprocess.PIPE, "text": True}

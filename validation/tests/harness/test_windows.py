@@ -1,4 +1,4 @@
-"""fxc, the programs under Wine, and that nothing of them stays behind."""
+"""Test fxc and the programs under Wine, and that nothing of them is left behind."""
 
 import os
 import signal
@@ -20,7 +20,7 @@ from bokeh_validation.windows import server, wine
 
 
 def copied(driver) -> bool:
-    """Whether a driver runs a pass as it should."""
+    """Return whether a driver runs a pass correctly."""
     color = np.arange(48, dtype=np.float16).reshape(3, 4, 4)
     output = driver.run([Pass("BokehConstantCoC", {"ColorSamp": "color"}, "result")], {"color": color}, (4, 3))
     return np.array_equal(output["result"][..., :3], color[..., :3])
@@ -36,19 +36,22 @@ def copied(driver) -> bool:
     ],
 )
 def test_each_limit(code, words):
-    """Of shader model 3: 512 slots, 224 constants, 16 samplers, 32 temporaries."""
+    """Check the limits of shader model 3: 512 slots, 224 constants, 16 samplers, 32 temporaries."""
     assert words in fxc.over_budget(fxc.facts(code), "ps_3_0")
     assert fxc.over_budget(fxc.facts(code), "ps_5_0") == ""
 
 
 def test_a_break_that_is_never_taken():
-    """Seen of fxc: a `break` that compares a register with itself. The right one compares 1 with -1."""
+    """Check that a `break` that compares a register with itself is found, as fxc may write it; the correct one
+    compares 1 with -1.
+    """
     listing = "ps_3_0\nrep i0\n  if_ge r4.w, -r0.w\n    break_ne {}\n  endif\nendrep\n"
     assert "never taken" in fxc.dead_break(listing.format("-c0.w, -c0.w"))
     assert fxc.dead_break(listing.format("c3.x, -c3.x")) == ""
 
 
 def test_hang_and_crash_of_fxc_are_told_and_the_next_one_works():
+    """Check that a hang and a crash of fxc are reported, and that the next compilation works."""
     with needed("fxc"):
         compiler = fxc.load()
     program = shaders.hlsl(3), "ps_3_0", "BokehDebug_PS"
@@ -62,7 +65,7 @@ def test_hang_and_crash_of_fxc_are_told_and_the_next_one_works():
 
 
 def test_wrong_lines_and_a_dead_wine_server():
-    """What is wrong is told, and the next job is done."""
+    """Check that invalid requests are reported, and that the next job works, also after Wine's server has ended."""
     driver = load("d3d9")
     driver.ask("clear")
     for line in ("drow 1", "input 16 0 linear", "input 0 7 linear", "values" + 49 * " 1.0"):
@@ -70,7 +73,7 @@ def test_wrong_lines_and_a_dead_wine_server():
             driver.ask(line)
     assert copied(driver)
     wine.get().end_programs()
-    with suppress(RuntimeError):  # it may be seen before the request, where it is started again, or during it
+    with suppress(RuntimeError):  # noticed before the request, which restarts it, or during it
         copied(driver)
     assert copied(driver)
 
@@ -88,8 +91,9 @@ if sys.argv[1] == "kill":
 
 @pytest.mark.parametrize("end", ["exit", "kill"])
 def test_nothing_is_left_running(end):
-    """After an end as it should be, and after a kill, when there is no one left to clean up: 30 s later no process has
-    the prefix in its environment, the display is gone, and another run was not disturbed.
+    """Check that 30 s after a normal end, and after a kill, nothing is left running.
+
+    No process has the prefix in its environment, the display is gone, and another run was not disturbed.
     """
     assert copied(load("d3d9"))
     command, environment = [sys.executable, "-c", SCRIPT, end], {**os.environ, "PYTHONPATH": str(paths.VALIDATION)}
