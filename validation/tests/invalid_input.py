@@ -1,10 +1,10 @@
-"""Colour and depth that no renderer should hand over, and what docs/inputs.md says that each counts as."""
+"""List invalid colour and depth, and what docs/inputs.md says that each value is treated as."""
 
 import numpy as np
 
 from bokeh_validation.reference.listings import MAX_COLOR, MAX_DEPTH, MIN_DEPTH
 
-# A half-float channel and what it counts as; 6e-8 is the smallest denormal half float
+# A half-float colour value, and what it is treated as; 6e-8 is the smallest denormal half float
 COLOR = (
     (np.nan, 0.0),
     (np.inf, MAX_COLOR),
@@ -16,7 +16,7 @@ COLOR = (
     (6e-8, 6e-8),
     (MAX_COLOR, MAX_COLOR),
 )
-# Depth, metres, and what it counts as
+# Depth in metres, and what it is treated as
 DEPTH = (
     (np.nan, MIN_DEPTH),
     (np.inf, MAX_DEPTH),
@@ -29,6 +29,6 @@ DEPTH = (
 
 
 def sprinkled(random: np.random.Generator, pixels: np.ndarray, pairs, share: float) -> np.ndarray:
-    """The pixels with about `share` of their numbers replaced by the first numbers of some of `pairs`."""
+    """Return the pixels with about a fraction `share` of their numbers replaced by bad values from `pairs`."""
     chosen = random.choice(np.array([bad for bad, _ in pairs]), pixels.shape).astype(pixels.dtype)
     return np.where(random.random(pixels.shape) < share, chosen, pixels)

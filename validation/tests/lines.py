@@ -1,8 +1,8 @@
-"""The lines that a filter pass averages along: sections [2], [5] and [8] of the libraries, in float64.
+"""Compute the lines along which a filter pass averages: sections [2], [5] and [8] of the libraries, in float64.
 
-An exact polygon of n sides is tiled by the parallelograms of its edges i < k <= n / 2: a pass along one edge of each,
-and a second along the other. A polygon that the lens barrel cuts (cat's eye) has other lengths of its edges in each
-pixel. Lengths and places are in units of the CoC, x right, y down.
+An exact polygon of n sides is tiled by the parallelograms of its edges i < k <= n / 2: one pass filters along one edge
+of each, the second along the other. If the lens barrel cuts the polygon (cat's eye), its edges have different lengths
+in each pixel. Lengths and positions are in units of the CoC, x right, y down.
 """
 
 from collections.abc import Mapping, Sequence
@@ -15,29 +15,29 @@ from bokeh_validation.frame import aperture_shapes
 from bokeh_validation.shaders.entries import ADAPTIVE, COLORS, EDGE, FIRST, GRID, LINE, SECOND
 from bokeh_validation.shaders.passes import Pass
 
-# of an edge, and of the cat's eye
+# minimum length of an edge, and maximum amount of the cat's eye
 LEAST, MOST = 0.001, 0.9
 
 
 @dataclass(frozen=True)
 class Segment:
-    """A line: its middle and half of it, each (2,), or (2, H, W) where pixels differ."""
+    """Hold a line by its middle and half of it, each (2,), or (2, H, W) if they differ by pixel."""
 
     middle: np.ndarray
     half: np.ndarray
 
     @property
     def half_length(self) -> float | np.ndarray:
-        """Half its length."""
+        """Return half of its length."""
         return np.hypot(*self.half)
 
 
 @dataclass(frozen=True)
 class Line:
-    """A line of a pass.
+    """Hold a line of a pass.
 
-    slot    the texture that is averaged along it
-    shares  its weight in each of the pass's targets, before these are normalised
+    slot    of the texture that is averaged along it
+    shares  its weight in each of the pass's targets, before normalisation
     """
 
     slot: str
@@ -46,10 +46,10 @@ class Line:
 
 
 def lines(item: Pass, size: tuple[int, int] | None = None) -> tuple[Line, ...]:
-    """All lines of a filter pass; none for what is no such pass, takes its places from a table, or blurs layers.
+    """Return all lines of a filter pass; none for other passes, for samples from a table, and for layers.
 
-    A grid of n x n samples is n lines of n. `size` is that of the target: with it, lines are those of every pixel where
-    the lens has a character; without it, those of the middle of the image.
+    A grid of n x n samples is n lines of n. `size` is (width, height) of the target; with it, lines are returned per
+    pixel if the lens cuts the polygon, otherwise for the middle of the image.
     """
     values, (entry, color) = item.given(), (item.spec, COLORS[0])
     angle, squeeze = values["BokehAngle"], values["BokehSqueeze"]
@@ -84,7 +84,7 @@ def lines(item: Pass, size: tuple[int, int] | None = None) -> tuple[Line, ...]:
 
 
 def line_segment(angle: float, length: float, middle: tuple[float, float], squeeze: float) -> Segment:
-    """A line at an angle in radians."""
+    """Return a line at an angle in radians."""
     shape = np.array([squeeze, 1.0])
     return Segment(np.array(middle) * shape, 0.5 * length * aperture_shapes.direction(angle) * shape)
 
@@ -92,14 +92,15 @@ def line_segment(angle: float, length: float, middle: tuple[float, float], squee
 def polygon_edge(
     k: int, sides: int, rotation: float, squeeze: float, second_pass: bool, lengths: np.ndarray
 ) -> Segment:
-    """Edge k of a polygon as it is filtered along in one of the two passes; `lengths` from edge_lengths.
+    """Return edge k of a polygon as it is filtered in one of the two passes; `lengths` are from edge_lengths().
 
-    The outline begins at the corner V_0, minus half of all edges; edge k runs from V_(k-1) to V_k, its middle is M_k.
-    The first pass filters along M_k - Q, Q the mean of M_1 .. M_(n-1), the second along Q - V_0 - M_k: the two together
-    put the parallelogram of the edges i < k at M_i - M_k - V_0, where the tiling wants it.
+    The outline begins at the corner V_0, minus half of all edges; edge k runs from V_(k-1) to V_k with the middle M_k.
+    The first pass filters along M_k - Q, where Q is the mean of M_1 to M_(n-1), the second along Q - V_0 - M_k.
+    Together they place the parallelogram of the edges i < k at M_i - M_k - V_0, where the tiling needs it.
 
-    The parallelograms of a hexagon share the corner V_0 + e_2. Drawn from there, every line begins at the pixel: edge 1
-    and 3 the one way, edge 2 the other; the second pass moves the picture by that corner, 0 in a regular hexagon.
+    The parallelograms of a hexagon share the corner V_0 + e_2. Drawn from there, every line begins at the pixel: edges
+    1 and 3 in one direction, edge 2 in the other. The second pass shifts the image by that corner, which is 0 in a
+    regular hexagon.
     """
     step, count = 2.0 * pi / sides, sides // 2
     along = [aperture_shapes.direction(rotation + i * step + 0.5 * pi) for i in range(1, count + 1)]
@@ -119,12 +120,12 @@ def polygon_edge(
 
 
 def parallelogram(k: int, i: int, sides: int, lengths: np.ndarray) -> float | np.ndarray:
-    """Area of the parallelogram of edges i < k, 0 for other edges; for an edge k of length 1."""
+    """Return the area of the parallelogram of edges i < k, for an edge k of length 1; 0 if i is not below k."""
     return sin((k - i) * 2.0 * pi / sides) * lengths[i - 1] if i < k else 0.0
 
 
 def lengths_in(size: tuple[int, int], sides: int, values: Mapping[str, float]) -> np.ndarray:
-    """`edge_lengths` in each pixel of a target, (n, H, W): the farther from the middle, the more is cut."""
+    """Return edge_lengths() in each pixel of a target, (n, H, W): the farther from the middle, the more is cut."""
     y, x = np.mgrid[0 : size[1], 0 : size[0]] + 0.5
     image = np.array([values["BokehImageWidth"], values["BokehImageHeight"]])
     place = np.stack([2.0 * x / size[0] - 1.0, 2.0 * y / size[1] - 1.0]) * (image / np.hypot(*image))[:, None, None]
@@ -135,13 +136,13 @@ def lengths_in(size: tuple[int, int], sides: int, values: Mapping[str, float]) -
 
 
 def edge_lengths(sides: int, along: Sequence[float] | np.ndarray = (0.0, 0.0), roundness: float = 1.0) -> np.ndarray:
-    """Of edges 1 .. n of a polygon that is cut along `along` (2, ...): (n, ...).
+    """Return the lengths of edges 1 to n of a polygon that is cut along `along` (2, ...): (n, ...).
 
-    The polygon and the same moved along d by half of it to both sides have an intersection with the polygon's edge
-    directions: it lies within |x n_k| <= h_k (1 - |c n_k|), n_k the normal of edge k, h_k half the width along it,
-    c = d / (2 h). Each edge is a piece of its line, between the nearest lines that cross it.
+    The polygon moved by half of d in one direction and in the opposite one have an intersection with the same edge
+    directions: |x n_k| <= h_k (1 - |c n_k|), where n_k is the normal of edge k, h_k half the width along it, and c = d
+    / (2 h). Each edge is the piece of its line between the nearest lines that cross it.
 
-    roundness  of an octagon: its odd edges take so much of their eighth of the circle, the even ones the rest
+    roundness  of an octagon: its odd edges take this fraction of their eighth of the circle, the even ones the rest
     """
     count, step = sides // 2, 2.0 * pi / sides
     normals = [np.array([cos(k * step), sin(k * step)]) for k in range(count)]
@@ -150,7 +151,7 @@ def edge_lengths(sides: int, along: Sequence[float] | np.ndarray = (0.0, 0.0), r
     half = [0.5 * cos(one * step / 2) * left for one, left in zip(part, shrunk, strict=True)]
 
     def distance(k: int, other: int) -> np.ndarray:
-        """From the foot of the normal of line k to where line k + other crosses it."""
+        """Return the distance from the foot of the normal of line k to its intersection with line k + other."""
         angle = abs(other) * step
         return (half[(k + other) % count] - half[k % count] * cos(angle)) / sin(angle)
 

@@ -1,19 +1,19 @@
-"""Size of a highlight's bokeh: second moments and extent, measured in a picture and predicted in closed form.
+"""Measure the size of a highlight's bokeh, as second moments and extent, in an image, and predict it in closed form.
 
-Prediction, at a constant CoC. A pass takes a pixel's value from samples at d_i with weights w_i, sum 1. The linear
-filter gives the texel p the weight tent(p - x) in a sample at x, and over whole p
+Prediction, at a constant CoC: a pass takes a pixel's value from samples at d_i with weights w_i, whose sum is 1. The
+linear filter gives texel p the weight tent(p - x) in a sample at x, and over all integers p
 
     sum tent = 1      sum p tent = x      sum p^2 tent = x^2 + f (1 - f),   f = x - floor(x)
 
 so one pass spreads a pixel with the mean -sum(w d) and the covariance of the d_i, plus sum(w f (1 - f)) on each axis
-for the pixel grid: 0 to 1/4 square pixel. Passes follow each other as convolutions: means and covariances add. Methods
-that add pictures mix them. A line from -h to +h has the covariance (2h)(2h)^T v, where
+for the pixel grid: 0 to 1/4 square pixel. Consecutive passes are convolutions: means and covariances add. Methods that
+sum images mix them. A line from -h to +h has the covariance (2h)(2h)^T v, where
 
     v = (N + 1) / (12 (N - 1))              N samples from end to end (Listing 2)
-    v = (1 - (n + r^3) / x^3) / 12          x = n + r cells, a sample in the middle of each, weighed by its length;
+    v = (1 - (n + r^3) / x^3) / 12          x = n + r cells, a sample in the middle of each, weighted by its length;
                                             with a fixed number, x = N: (1 - 1 / N^2) / 12
 
-since cells of length l, cut from a line, each leave out their own l^2 / 12 of the line's 1/12.
+since each cell of length l on the line leaves out its own l^2 / 12 of the line's 1/12.
 """
 
 from math import floor, radians
@@ -27,11 +27,11 @@ from bokeh_validation.numerics.precision import FLOAT_STEP, Precision
 
 
 class Spread(NamedTuple):
-    """Where the light of a highlight is, relative to the highlight, pixels, x right, y down.
+    """Describe where the light of a highlight goes, relative to the highlight, pixels, x right, y down.
 
     mean    (2,)
     second  (2, 2) second moments about the mean, square pixels
-    reach   (2, 2): how far to the left and up, and how far to the right and down, any light gets
+    reach   (2, 2): how far any light gets to the left and up, and to the right and down
     """
 
     mean: np.ndarray
@@ -40,7 +40,9 @@ class Spread(NamedTuple):
 
 
 class Filter(NamedTuple):
-    """Of one pass, pixels: offsets (N, 2), their mean, and their covariance with what the linear filter adds."""
+    """Describe one pass in pixels: offsets (N, 2), their mean, and their covariance including the linear filter's
+    part.
+    """
 
     offsets: np.ndarray
     mean: np.ndarray
@@ -48,7 +50,7 @@ class Filter(NamedTuple):
 
 
 def measured(light: np.ndarray, center: tuple[float, float]) -> Spread:
-    """Spread of a picture (H, W) float64 that is 0 but for the bokeh.
+    """Measure the spread of an image (H, W) float64 that is 0 outside the bokeh.
 
     center  of the highlight, in pixels from the image's corner (pixel centres at .5)
     """
@@ -62,20 +64,20 @@ def measured(light: np.ndarray, center: tuple[float, float]) -> Spread:
 
 
 def ends(samples: int) -> float:
-    """Variance of so many samples from end to end of a line of length 1."""
+    """Return the variance of `samples` samples from end to end of a line of length 1."""
     return (samples + 1) / (12.0 * (samples - 1))
 
 
 def midpoints(cells: float) -> float:
-    """Variance of samples in the middles of so many cells, the last one cut short, on a line of length 1."""
+    """Return the variance of samples in the middles of `cells` cells, the last one cut short, on a line of length 1."""
     whole = floor(cells)
     return (1.0 - (whole + (cells - whole) ** 3) / cells**3) / 12.0
 
 
 def predicted(settings: methods.Settings, size: tuple[int, int]) -> Spread:
-    """Spread of one bright pixel at `settings.coc`, without jitter.
+    """Predict the spread of one bright pixel at `settings.coc`, without random sample offsets.
 
-    `exact`, `naive` and the paper's parallelograms, which have closed forms.
+    Supports `exact`, `naive` and the paper's parallelograms, which have closed forms. `size` is (width, height).
     """
     pixels = settings.coc * size[1]
     paths = _paths(settings, pixels)
@@ -91,12 +93,12 @@ def predicted(settings: methods.Settings, size: tuple[int, int]) -> Spread:
 
 
 def tolerance(settings: methods.Settings, size: tuple[int, int], precision: Precision) -> float:
-    """How far a device's second moments may be from `predicted`, square pixels, on float targets.
+    """Return how far a device's second moments may be from `predicted`, square pixels, on float targets.
 
-    Places are off by e at most, in all passes together: 2 s e + e^2 of second moment, s the root of the larger moment,
-    and e for f (1 - f), whose slope is 1. A sample's light goes to four texels within sqrt(2) of it; a blend off by r
-    gives each up to r of it too much or too little: a pass changes the sum of p^2 by 4 r (root mean |p|^2 + sqrt(2))^2
-    and the light it is divided by by 4 r. The sums in float32 come on top of r.
+    Positions are off by at most e in all passes together: 2 s e + e^2 of second moment, where s is the root of the
+    larger moment, and e for f (1 - f), whose slope is 1. A sample's light goes to four texels within sqrt(2) of it,
+    and a blend off by r gives each up to r of it too much or too little. So a pass changes the sum of p^2 by 4 r (root
+    mean |p|^2 + sqrt(2))^2, and the light that it is divided by, by 4 r. The rounding of float32 sums is added to r.
     """
     spread = predicted(settings, size)
     passes = len(methods.plan(settings, size).passes) - 1 if settings.method != "exact" else 2
@@ -108,7 +110,7 @@ def tolerance(settings: methods.Settings, size: tuple[int, int], precision: Prec
 
 
 def _paths(settings: methods.Settings, pixels: float) -> list[tuple[float, list[Filter]]]:
-    """What is added up: shares of the light, each with the passes that it goes through."""
+    """Return what is summed: fractions of the light, each with the passes that it goes through. `pixels` is the CoC."""
     rotation = radians(settings.rotation)
     if settings.method == "naive":
         table = aperture_shapes.kernel(settings.aperture, settings.count, settings.rotation) * [settings.squeeze, 1.0]
@@ -130,7 +132,7 @@ def _paths(settings: methods.Settings, pixels: float) -> list[tuple[float, list[
 
 
 def _line(segment: Segment, pixels: float, settings: methods.Settings) -> Filter:
-    """One line at a CoC of so many pixels, its covariance in closed form."""
+    """Return one line at a CoC of `pixels`, with its covariance in closed form."""
     whole = 2.0 * segment.half * pixels
     if settings.method == "paper" and settings.spacing <= 0.0:
         count = settings.count
@@ -146,6 +148,6 @@ def _line(segment: Segment, pixels: float, settings: methods.Settings) -> Filter
 
 
 def _filter(offsets: np.ndarray, weights: np.ndarray, covariance: np.ndarray) -> Filter:
-    """With what the linear filter adds to the covariance."""
+    """Return the filter with what the linear filter adds to its covariance."""
     fraction = offsets - np.floor(offsets)
     return Filter(offsets, weights @ offsets, covariance + np.diag(weights @ (fraction * (1.0 - fraction))))

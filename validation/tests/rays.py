@@ -1,6 +1,6 @@
-"""The lines of an exact hexagon, in float64: they start at the pixel, and a sample counts by its own CoC.
+"""Compute the lines of an exact hexagon in float64: they start at the pixel, and a sample is weighted by its own CoC.
 
-A cell is a piece of a line, from `begin` to `end` of it, 0 at the pixel and 1 at the far end, with one sample.
+A cell is a piece of a line from `begin` to `end`, 0 at the pixel and 1 at the far end, with one sample.
 """
 
 from collections.abc import Iterable, Sequence
@@ -10,24 +10,24 @@ import numpy as np
 
 from bokeh_validation.reference import sampling
 
-# the place of a sample relative to the pixel, texels; begin and end of its cell
+# position of a sample relative to the pixel, texels; begin and end of its cell
 Cell = tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]
-# Behind the focus: the most that a light is denser than its surroundings. In front of it: what a sharp sample weighs
+# Behind the focus: how much denser than its surroundings a light may be. In front of it: the weight of a sharp sample
 MOST_DENSITY, SHARP = 4.0, 0.5
-# From this share of the pixel's CoC on a sample begins to belong to its surface
+# From this fraction of the pixel's CoC on, a sample belongs partly to the pixel's surface
 SURFACE = 0.75
-# Rounding must not change a constant CoC
+# A little above 1, so that rounding does not change a constant CoC
 HANDED_ON = 1.001
 
 
 @dataclass(frozen=True)
 class Gathered:
-    """What one line gathers.
+    """Hold what one line gathers.
 
     samples  (N, H, W, C)
-    cells    (N, H, W): the share of the line that each sample stands for
+    cells    (N, H, W): the fraction of the line that each sample represents
     weights  (N, H, W)
-    reached  (N, H, W): weights without the density
+    reached  (N, H, W): the weights without the density
     """
 
     samples: np.ndarray
@@ -37,11 +37,11 @@ class Gathered:
 
 
 def weights(sample_coc, center_coc, begin, end):
-    """(weight, weight without density, part of the weight that is the pixel's own surface) of a cell.
+    """Return (weight, weight without density, the part of the weight that is the pixel's own surface) of a cell.
 
-    Behind the focus the blur of a sample of CoC s reaches s / c of the line of a pixel of CoC c. In front of the focus
-    it reaches all of it: a sample weighs by its size, at least half; what is in front of the focus too, at least as
-    much more as its CoC is an eighth of the pixel's.
+    Behind the focus, the blur of a sample with CoC s covers s / c of the line of a pixel with CoC c. In front of the
+    focus it covers all of it, and a sample is weighted by its size, at least by half; the weight of a sample in front
+    of the focus ramps to 1 until its CoC is an eighth of the pixel's.
     """
     with np.errstate(invalid="ignore", divide="ignore"):
         side = np.where(center_coc == 0.0, 1.0, sample_coc / center_coc)
@@ -57,9 +57,9 @@ def weights(sample_coc, center_coc, begin, end):
 
 
 def gathered(cells: Iterable[Cell], source: np.ndarray, center_coc: np.ndarray) -> Gathered:
-    """A line through a texture, CoC in the last channel.
+    """Gather along a line through a texture (H, W, C) with the CoC in its last channel.
 
-    Where the weights come to more than the line, the pixel's own surface gives up as much.
+    If the weights exceed the line, the part of the pixel's own surface is reduced accordingly.
     """
     row, column = np.mgrid[0 : len(source), 0 : source.shape[1]] + 0.5
     samples, found, widths = [], [], []
@@ -73,9 +73,11 @@ def gathered(cells: Iterable[Cell], source: np.ndarray, center_coc: np.ndarray) 
 
 
 def target(lines: Sequence[tuple[Gathered, float | np.ndarray]], center: np.ndarray, hands_on: bool) -> np.ndarray:
-    """The mean of several lines, each with its share; the pixel itself where nothing reached it.
+    """Return the weighted mean of several lines; the pixel itself if nothing reached it.
 
-    hands_on  alpha is less than the pixel's CoC where brightness came from what has a smaller one
+    lines     pairs of what a line gathered and its weight
+    center    (H, W, C) centre pixels
+    hands_on  reduce alpha below the pixel's CoC where brightness came from samples with a smaller one
     """
     color, total, light, reached = np.zeros_like(center[..., :3]), 0.0, 0.0, 0.0
     for line, share in lines:

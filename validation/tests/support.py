@@ -1,4 +1,4 @@
-"""What tests share: drivers, each made once, and the command line. What is missing fails under CI only."""
+"""Share drivers, each created once, and the command line between tests. What is missing is a failure only under CI."""
 
 import os
 import subprocess
@@ -16,9 +16,9 @@ from bokeh_validation.compilers.tool import CompileResult
 from bokeh_validation.errors import Unavailable
 from bokeh_validation.probes.outcomes import driver_or_reason
 
-# One of each language. OSMesa is EGL's device, and on 237 targets their pictures are the same
+# One driver per language. OSMesa is the same device as EGL, and gave the same images on 237 targets
 LANGUAGES = ("egl", "wgpu", "dxc")
-# With --all: the rounding and the NaN of shader model 3, and another device
+# Additional drivers with --all: shader model 3 with its rounding and NaN, and another device
 NIGHTLY = ("d3d9", "webgl2")
 nightly = pytest.mark.nightly
 DRIVERS = [*LANGUAGES, *(pytest.param(name, marks=nightly) for name in NIGHTLY)]
@@ -27,7 +27,7 @@ in_each_language = pytest.mark.parametrize("driver", LANGUAGES, indirect=True)
 
 @contextmanager
 def needed(what: str) -> Iterator[None]:
-    """The end of the test where what it needs is not there."""
+    """Skip the test if what it needs is missing; under CI, fail it."""
     try:
         yield
     except Unavailable as error:
@@ -37,7 +37,7 @@ def needed(what: str) -> Iterator[None]:
 
 
 def load(name: str) -> drivers.Driver:
-    """A driver, or the end of the test."""
+    """Return a driver; skips the test if it is missing."""
     found = driver_or_reason(name)
     with needed(f"driver {name}"):
         if isinstance(found, str):
@@ -46,11 +46,12 @@ def load(name: str) -> drivers.Driver:
 
 
 def spread(name: str, values, everywhere=()) -> pytest.MarkDecorator:
-    """Each value in one language, in turn; those of `everywhere` in all three. With --all each value is in each
-    language, and those of `everywhere` are on the drivers of NIGHTLY too.
+    """Parametrize a test with each value in one language, in turn, and with values of `everywhere` in all three.
 
-    One language is enough for a value: parity holds the three texts to each other statement by statement, and of 237
-    targets that two of the drivers drew, all llvmpipe, none differed by more than half a step.
+    With --all each value runs in every language, and values of `everywhere` on the drivers of NIGHTLY too.
+
+    One language is enough for a value: parity compares the three texts statement by statement, and on 237 targets that
+    two drivers drew, all on llvmpipe, results differed by at most half a step.
     """
     pairs = []
     for index, value in enumerate(values):
@@ -61,7 +62,7 @@ def spread(name: str, values, everywhere=()) -> pytest.MarkDecorator:
 
 
 def called(*arguments: object) -> subprocess.CompletedProcess:
-    """A command in this process, which saves the second that a start takes. Programs of other tests go on."""
+    """Run a command in this process, which saves the second of a start, without ending the programs of other tests."""
     said, told = StringIO(), StringIO()
     with (
         redirect_stdout(said),
@@ -76,24 +77,26 @@ def called(*arguments: object) -> subprocess.CompletedProcess:
 
 
 def says(result: CompileResult, text: str) -> bool:
-    """Refused, with this text in the messages; glslang's HLSL puts spaces between the words of #error anew."""
+    """Return whether a compiler failed with this text; spaces are ignored, since glslang changes those of HLSL's
+    #error.
+    """
     return not result.ok and text.replace(" ", "") in result.messages.replace(" ", "")
 
 
 def compiled(step: Callable[[], CompileResult]) -> CompileResult:
-    """Result of a compiler, if it is here."""
+    """Return the result of a compiler; skips the test if it is missing."""
     with needed("compiler"):
         return step()
 
 
 def disassembled(module: bytes) -> str:
-    """The text of a SPIR-V module."""
+    """Return a SPIR-V module as text."""
     disassembler = tool.Tool("spirv-dis", needs.install("glslang"))
     return compiled(lambda: disassembler.run(["a.spv"], {"a.spv": module})).messages
 
 
 def refused(done: subprocess.CompletedProcess, words: list[str]) -> None:
-    """Exit code 2, nothing on standard output, one line on standard error with these words."""
+    """Check for exit code 2, empty standard output, and one line on standard error with these words."""
     assert done.returncode == 2, done.stdout + done.stderr
     assert done.stdout == ""
     lines = done.stderr.strip().splitlines()

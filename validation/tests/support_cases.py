@@ -1,4 +1,4 @@
-"""Pictures that tests share, and a driver's result beside the reference's."""
+"""Share images between tests, and compare a driver's result with the reference's."""
 
 import re
 from dataclasses import replace
@@ -18,7 +18,9 @@ CAMERA = methods.Camera(0.1, 0.05, 4.0, max_coc=0.3)
 
 
 def noise_case(size: tuple[int, int], settings: methods.Settings, seed: int = 1) -> Case:
-    """Random HDR colour in patches over random depth in patches: every comparison of Listing 3 goes both ways."""
+    """Return random patches of HDR colour over random patches of depth: every comparison of Listing 3
+    goes both ways.
+    """
     random = np.random.default_rng(seed)
     width, height = size
     coarse = (height // 6 + 1, width // 6 + 1)
@@ -34,12 +36,14 @@ def noise_case(size: tuple[int, int], settings: methods.Settings, seed: int = 1)
 
 
 def result(driver: drivers.Driver, case: Case, storage: str = "half") -> np.ndarray:
-    """The picture alone."""
+    """Draw a case; returns the result, (H, W, 4)."""
     return driver.run(case.plan.passes, case.textures(), case.size, storage)["result"]
 
 
 def float_result(driver: drivers.Driver, case: Case) -> np.ndarray:
-    """On float32 targets, as float64; several targets of them may be more than a device takes at once."""
+    """Draw a case on float32 targets; returns float64. Targets are drawn one by one if the device cannot
+    take several.
+    """
     try:
         return result(driver, case, "float").astype(np.float64)
     except Unavailable:
@@ -48,7 +52,9 @@ def float_result(driver: drivers.Driver, case: Case) -> np.ndarray:
 
 
 def everything(driver: drivers.Driver, case: Case, **changes: float) -> dict[str, np.ndarray]:
-    """All textures that a case's passes write, with some parameters changed in every pass, not the programs."""
+    """Draw a case with some parameters changed in every pass, but the same programs; returns all textures that are
+    written.
+    """
     passes = case.plan.passes
     passes = [replace(one, parameters={**one.parameters, **changes}, defines=one.constants) for one in passes]
     names = [name for item in passes for name in item.outputs]
@@ -56,7 +62,9 @@ def everything(driver: drivers.Driver, case: Case, **changes: float) -> dict[str
 
 
 def within(driver: drivers.Driver, case: Case) -> tuple[np.ndarray, metrics.Comparison]:
-    """The result, and how far it is from the reference's. Fails where any pass's target is outside of its interval."""
+    """Return the result and its comparison with the reference; fails if any target of a pass is outside
+    its interval.
+    """
     found = judges.compared(case, driver)
     outside = {name: str(comparison) for name, comparison in found.comparisons.items() if comparison.outside}
     assert not outside, (driver.name, outside, case.settings)
@@ -65,7 +73,7 @@ def within(driver: drivers.Driver, case: Case) -> tuple[np.ndarray, metrics.Comp
 
 
 def judged(probe: patterns.Probe, **changes) -> list[patterns.Check]:
-    """The checks of a probe rendered with other settings than its own."""
+    """Return the checks of a probe drawn with other settings than its own."""
     outputs, driver = {}, load("egl")
     for case in probe.cases:
         other = replace(case, settings=replace(case.settings, **changes))
@@ -75,7 +83,7 @@ def judged(probe: patterns.Probe, **changes) -> list[patterns.Check]:
 
 
 def evaluated(body: str, **values: object) -> np.ndarray:
-    """RGBA that statements in GLSL write to BokehResult, beside the functions of the library; `values` are defines."""
+    """Run GLSL statements that write BokehResult, with the library's functions; returns RGBA. `values` are defines."""
     library = re.sub(r"\bvoid main\(\)", "void unused()", shaders.glsl("BokehConstantCoC", "330", values))
     item = Pass("BokehConstantCoC", {}, "value", sources={"glsl": f"{library}void main()\n{{\n{body}\n}}\n"})
     return load("osmesa").run([item], {}, (8, 8), "float", keep=("value",))["value"][0, 0]

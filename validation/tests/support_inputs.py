@@ -1,10 +1,10 @@
-"""What tests that take long are made of: with these marks they are skipped while nothing of it has changed."""
+"""List the inputs of tests that take long: with these marks they are skipped until an input changes."""
 
 import pytest
 
 from bokeh_validation import paths
 
-# Makes the frame, runs a sample and judges what it drew
+# What makes the frame, runs a sample and judges its result
 HARNESS = ("browser", "drivers", "engines", "frame", "numerics", "plan", "probes", "reference", "shaders", "windows")
 SHARED = (
     *paths.LANGUAGES,
@@ -14,12 +14,12 @@ SHARED = (
     "integration/README.md",
     "integration/parameters",
 )
-# Further folders of integration/ that a sample reads
+# Additional folders of integration/ that a sample reads
 FOLDERS = {
     "direct3d11": ("direct3d9",),
     **dict.fromkeys(("threejs", "babylonjs", "playcanvas"), ("web",)),
 }
-# What a compiler says of the shaders depends on
+# What the compilation of the shaders depends on
 COMPILERS = ("browser", "compile_matrix", "compilers", "shaders", "windows", "needs.py")
 COMPILED = (
     *paths.LANGUAGES,
@@ -30,17 +30,19 @@ COMPILED = (
 
 
 def inputs(*names: str) -> pytest.MarkDecorator:
-    """Folders and files of the repository, the shaders, and what runs a sample and judges it."""
+    """Mark a test with these folders and files of the repository, the shaders, and the code that runs and judges a
+    sample.
+    """
     return pytest.mark.inputs(*SHARED, *names)
 
 
 def of_sample(name: str) -> pytest.MarkDecorator:
-    """The inputs of a sample of integration/, such as 'threejs-webgl'."""
+    """Mark a test with the inputs of a sample of integration/, such as 'threejs-webgl'."""
     folder = name.partition("-")[0]
     more = ["validation/godot"] if folder == "godot" else []
     return inputs(*(f"integration/{each}" for each in (folder, *FOLDERS.get(folder, ()))), *more)
 
 
 def samples(names) -> list:
-    """Parameters of a test: samples, each with its inputs."""
+    """Return samples as parameters of a test, each marked with its inputs."""
     return [pytest.param(name, marks=of_sample(name)) for name in names]

@@ -1,4 +1,4 @@
-"""Tests of a web project, which Node.js runs: their results, taken into those of pytest."""
+"""Run tests of a web project with Node.js, and report their results to pytest."""
 
 import json
 import os
@@ -23,9 +23,9 @@ def files(project: Path) -> list[str]:
 
 
 def assert_passes(project: Path, file: str, extra: Mapping[str, str] | None = None) -> None:
-    """Run one of these files in a copy of the project; fail with what Node.js says of each test that failed.
+    """Run one of these files in a copy of the project; fails with Node.js's message of each failed test.
 
-    extra   more environment
+    extra  additional environment variables
     """
     with needed("Chromium"):
         chromium = browser.executable()
@@ -48,7 +48,7 @@ def assert_passes(project: Path, file: str, extra: Mapping[str, str] | None = No
 
 
 def _tests(element: ElementTree.Element, above: str = "") -> Iterator[tuple[str, ElementTree.Element]]:
-    """Each test of a report: its name behind those of the tests around it, and its element."""
+    """Yield each test of a report: its name, prefixed by those of the enclosing tests, and its element."""
     for child in element:
         name = f"{above}{child.get('name')}"
         if child.tag == "testcase":

@@ -1,4 +1,4 @@
-"""What the tests of the samples in integration/ share."""
+"""Share helpers between the tests of the samples in integration/."""
 
 import base64
 from collections.abc import Callable
@@ -7,27 +7,27 @@ from pathlib import Path
 import numpy as np
 from PIL import Image
 
-# (H, W) of what a capture.js reads
+# (H, W) of the images that a capture.js reads
 SIZE = (240, 320)
 
 
 def pixels(data: str, size: tuple[int, int] = SIZE) -> np.ndarray:
-    """(H, W, 4) float16 or (H, W) float32 of `size` (H, W), whichever as long as `data` is in base64."""
+    """Decode base64 pixels of `size` (H, W): (H, W, 4) float16 or (H, W) float32, by their length."""
     raw = base64.b64decode(data)
     half = len(raw) == 8 * size[0] * size[1]
     return np.frombuffer(raw, np.float16).reshape(*size, 4) if half else np.frombuffer(raw, np.float32).reshape(size)
 
 
 def assert_pulled(said: dict) -> None:
-    """`interaction` of capture.js: a click on the box, which is 0.9 m wide, focuses on its front."""
+    """Check `interaction` of capture.js: a click on the box, which is 0.9 m wide, focuses on its front."""
     assert 4.5 < said["before"] < 5.5
     assert said["box"] - 0.7 < said["after"] < said["box"] - 0.3
 
 
 def assert_debug_views(said: dict, linear: Callable = lambda shown: shown) -> None:
-    """Depth, circle of confusion, near and far field of `views` of capture.js, as BOKEH_DEBUG has them.
+    """Check depth, circle of confusion, near and far field in `views` of capture.js, as BOKEH_DEBUG defines them.
 
-    linear   of what is shown, where that is encoded
+    linear  decodes what is displayed
     """
     shown = {mode: linear(pixels(data)) for mode, data in said["views"].items()}
     depth, coc = pixels(said["depth"]), pixels(said["coc"])[..., 3]
@@ -36,7 +36,7 @@ def assert_debug_views(said: dict, linear: Callable = lambda shown: shown) -> No
     assert np.allclose(shown["2"][..., 0], abs(coc) / said["maxCoC"], atol=2e-3)
     blurred = abs(coc) > 0.005
     near = depth < focus
-    # a pixel beside a brighter, nearer one may have the circle of confusion of that one
+    # a pixel next to a brighter, nearer one may have that one's circle of confusion
     padded = np.pad(near, 1)
     beside = near | padded[:-2, 1:-1] | padded[2:, 1:-1] | padded[1:-1, :-2] | padded[1:-1, 2:]
     assert (coc < 0)[blurred & near].all() and beside[blurred & (coc < 0)].all()
@@ -46,7 +46,7 @@ def assert_debug_views(said: dict, linear: Callable = lambda shown: shown) -> No
 
 
 def assert_picture(drawn: Path, shown: Path) -> None:
-    """What a sample draws is the picture of its guide, but for rounding: half a step of 255 on average."""
+    """Check that a sample draws its guide's image, apart from rounding: half a step of 255 on average."""
     with Image.open(drawn) as a, Image.open(shown) as b:
         assert a.size == b.size
         off = np.abs(np.asarray(a.convert("RGB"), float) - np.asarray(b.convert("RGB"), float)).mean()

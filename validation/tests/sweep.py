@@ -1,22 +1,22 @@
-"""Pictures that change from frame to frame: how far a pass may change a pixel, and a highlight smaller than a pixel.
+"""Bound how far a pass may change a pixel from frame to frame, and draw a highlight smaller than a pixel.
 
-The bound, for one line of a pass between two frames, leakage test off. In units of the image's own pixels:
+The bound is for one line of a pass between two frames, with the leakage test off, in units of the image's pixels:
 
   * Its input changes: a mean of samples changes by at most the largest change of a texel that they read.
-  * The CoC that the filter uses changes by d: a sample at middle + t half, |t| <= 1, units of the CoC, moves by at most
-    (|middle| + |half|) d on each axis, and reads what is at most that far along the steepest slope away. With cells of
-    a given length it moves no farther: they are counted from the line's beginning, and a last cell that grows keeps
-    its middle.
-  * The line has x cells and then x': the weights change by |x' - x| in all. With s the samples and M their mean,
-    M' - M = sum((w' - w)(s - M)) / x', at most |x' - x| / x' of the contrast.
-  * On a ray of a hexagon a sample weighs f instead of g, what its cell is of one: f follows its own CoC, against the
-    pixel's, and both change in a focus pull, where the samples change places besides. f' - f is (g' - g) and
-    (f' - g') - (f - g), and the sum of the weights is that of f'. So it is (|x' - x| + D) / sum(f') of the contrast,
-    D the sum of |(f' - g') - (f - g)|, and no more than all of it. D is 0 where the CoC is the same everywhere. That f
-    itself has no step is test_a_ray_has_no_step.
+  * The CoC of the filter changes by d: a sample at middle + t half, |t| <= 1, in units of the CoC, moves by at most
+    (|middle| + |half|) d on each axis, and reads a value at most that far along the steepest slope. With cells of a
+    given length it moves no farther: they are counted from the line's beginning, and a last cell that grows keeps its
+    middle.
+  * The line has x cells and then x': the weights change by |x' - x| in total. With samples s and their mean M, M' - M
+    = sum((w' - w)(s - M)) / x', at most |x' - x| / x' of the contrast.
+  * On a ray of a hexagon a sample has the weight f instead of g, the size of its cell: f follows its own CoC relative
+    to the pixel's, and both change in a focus pull, where samples also move. f' - f is (g' - g) plus (f' - g') - (f -
+    g), and the sum of the weights is that of f'. So the change is (|x' - x| + D) / sum(f') of the contrast, where D is
+    the sum of |(f' - g') - (f - g)|, and at most all of it. D is 0 if the CoC is the same everywhere.
+    test_a_ray_has_no_step checks that f itself has no step.
 
-Slope, contrast and change are the largest within the line's reach. Of pictures that are mixed or combined by min or
-max, the result changes by no more than the one that changes most.
+Slope, contrast and change are the largest within the line's reach. If images are mixed, or combined by min or max, the
+result changes by no more than the image that changes most.
 """
 
 from collections.abc import Mapping
@@ -31,17 +31,17 @@ from bokeh_validation.shaders.entries import ADAPTIVE, LINE
 from bokeh_validation.shaders.passes import Pass
 
 Outputs = Mapping[str, np.ndarray]
-# one store cuts off a step at most, of 2^-10; two frames' stores differ by as much
+# one store truncates by at most a step of 2^-10; the stores of two frames differ by as much
 STORE_STEP = 2.0**-10
 
 
 def allowed(item: Pass, before: Outputs, after: Outputs) -> np.ndarray:
-    """How far the colour that a pass writes may change from one frame to the next, (H, W, C - 1).
+    """Return how far the colour that a pass writes may change from one frame to the next, (H, W, C - 1).
 
-    before, after  (H, W, C) float64: all that the pass reads, by name; the last channel is the CoC
+    before, after  name -> (H, W, C) float64, for everything that the pass reads; the last channel is the CoC
     """
     center = item.inputs["ColorSamp"]
-    # its size: it is signed in the passes of exact
+    # its magnitude, since the passes of exact have a signed CoC
     coc = (np.abs(before[center][..., -1]), np.abs(after[center][..., -1]))
     found = []
     for line in lines(item):
@@ -57,11 +57,11 @@ def allowed(item: Pass, before: Outputs, after: Outputs) -> np.ndarray:
 
 
 def _ray_weights(item: Pass, line: Line, read, coc) -> tuple[np.ndarray, np.ndarray]:
-    """D and sum(f') of the module's text, (H, W) each; in units of cells."""
+    """Return D and sum(f') of the module's docstring, (H, W) each, in units of cells."""
     found = []
     for source, center in zip(read, coc, strict=True):
         ray = rays.gathered(cells(item, line, center), source, center)
-        # the first cell is a whole one
+        # the first cell has the full length
         found.append((ray.weights / ray.cells[0], (ray.weights - ray.cells) / ray.cells[0]))
     (_, before), (weights, after) = found
     count = max(len(before), len(after))
@@ -70,7 +70,7 @@ def _ray_weights(item: Pass, line: Line, read, coc) -> tuple[np.ndarray, np.ndar
 
 
 def _line_change(line: Segment, item: Pass, before: np.ndarray, after: np.ndarray, coc, weights) -> np.ndarray:
-    """The sum in the module's text, for one line; `weights` from _ray_weights, or None."""
+    """Return the bound of the module's docstring for one line; `weights` are from _ray_weights, or None."""
     (height, width), spacing = before.shape[:2], item.spacing
     used = [filter_coc(c, height, spacing) * height for c in coc]
     moved = np.abs(used[1] - used[0])
@@ -94,14 +94,14 @@ def _line_change(line: Segment, item: Pass, before: np.ndarray, after: np.ndarra
 
 
 def largest_within(image: np.ndarray, radius: list[int]) -> np.ndarray:
-    """Largest value within so many pixels (across, down) of each pixel of (H, W, C)."""
+    """Return the largest value within `radius` pixels (horizontally, vertically) of each pixel of (H, W, C)."""
     for axis, reach in ((1, radius[0]), (0, radius[1])):
         padding = [(0, 0)] * image.ndim
         padding[axis] = (reach, reach)
         image = np.moveaxis(np.pad(image, padding, mode="edge"), axis, 0)
         width, wanted = 1, 2 * reach + 1
         while width < wanted:
-            # a window twice as wide, or as wide as is wanted, is two that overlap
+            # a window of twice the width, or of the wanted width, is the maximum of two overlapping ones
             further = min(width, wanted - width)
             image = np.maximum(image[:-further], image[further:])
             width += further
@@ -109,14 +109,15 @@ def largest_within(image: np.ndarray, radius: list[int]) -> np.ndarray:
     return image
 
 
-# Columns of the integral over a pixel; what that leaves out is far below a half float's step
+# Columns per pixel of the integral; its error is far below a half float's step
 DISC_COLUMNS = 2048
 
 
 def disc(size: tuple[int, int], center: tuple[float, float], diameter: float) -> np.ndarray:
-    """Share of each pixel that a disc covers, (H, W) float64, by its area; the disc is inside the image.
+    """Return the fraction of each pixel that a disc covers by area, (H, W) float64; the disc must be inside the image.
 
-    center  in pixels from the image's corner (pixel centres at .5)
+    center    in pixels from the image's corner (pixel centres at .5)
+    diameter  pixels
     """
     (left, right), (top, bottom) = ((int(c - diameter / 2), int(np.ceil(c + diameter / 2))) for c in center)
     x = left + (np.arange((right - left) * DISC_COLUMNS) + 0.5) / DISC_COLUMNS - center[0]

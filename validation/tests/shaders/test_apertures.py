@@ -1,4 +1,4 @@
-"""The rule of aperture.py: parallelograms, passes, light, orientation; the command and the document about it."""
+"""Test the decomposition of polygons: parallelograms, passes, light, orientation; its command and its document."""
 
 import json
 from dataclasses import replace
@@ -16,7 +16,8 @@ from bokeh_validation.probes.model import overlap, pixel_center
 
 DOCUMENT = (paths.ROOT / "docs/methods/polygons.md").read_text(encoding="utf-8")
 REGULAR = range(3, 13)
-# Corners, with and without parallel sides; the fewest passes and the most light of all sets of pairs of directions
+# Corners of shapes with and without parallel sides -> the fewest passes, and the most light of all sets of pairs of
+# directions
 SHAPES = {
     "-0.35,-0.3 0.1,-0.45 0.45,-0.1 0.3,0.4 -0.3,0.35": (5, 0.6472),
     "-0.2,-0.3 0.25,-0.3 0.4,0.3 -0.4,0.3": (3, 0.7812),
@@ -35,7 +36,7 @@ POLYGONS |= {f"{sides} sides": aperture_shapes.regular_polygon(sides) for sides 
 
 
 def drawn_by(shape: Decomposition) -> list[np.ndarray]:
-    """Corners (4, 2) of each parallelogram: the reflection of the places that its two lines sample."""
+    """Return the corners (4, 2) of each parallelogram: the reflection of the points that its two lines sample."""
     parallelograms = []
     for second in (line for line in shape.passes if line.reads is not None):
         first = shape.passes[second.reads]
@@ -46,7 +47,9 @@ def drawn_by(shape: Decomposition) -> list[np.ndarray]:
 
 
 def assert_in_common(shape: Decomposition, polygon: np.ndarray, tolerance: float) -> None:
-    """The parallelograms have the polygon in common, sides off by `tolerance` at most, and min has all of them."""
+    """Check that the parallelograms' intersection is the polygon, with sides off by at most `tolerance`, and that min
+    combines all.
+    """
     common = reduce(geometry.clip_convex, drawn_by(shape))
     for corners in (common, geometry.clip_convex(common, polygon)):
         off = abs(geometry.signed_area(corners)) - abs(geometry.signed_area(polygon))
@@ -58,9 +61,10 @@ def assert_in_common(shape: Decomposition, polygon: np.ndarray, tolerance: float
 
 @pytest.mark.parametrize("name", POLYGONS)
 def test_every_polygon(name):
-    """The polygon exactly, or within the tolerance where sides are made equal; passes and light as the document proves.
+    """Check every polygon exactly, or within the tolerance where sides are made equal; passes and light as the
+    document proves.
 
-    On the polygon min is 1 / (largest area), so the light is the polygon's area over that.
+    Inside the polygon min gives 1 / (largest area), so the light kept is the polygon's area over that.
     """
     polygon = POLYGONS[name]
     shape = decompose(polygon, tolerance=0.0)
@@ -75,14 +79,16 @@ def test_every_polygon(name):
     assert shape.light == pytest.approx(area / largest) and shape.light <= shape.bound + 1e-9
     if count == len(polygon):
         assert len(shape.passes) == count and shape.light == pytest.approx(shape.bound)
-    # The bound is for any direction of the other side, not only the polygon's. The angles tried are 0.00015 apart; the
-    # shadow of a corner 1 away moves by that over cos^2
+    # The bound holds for any direction of the other side, not only the polygon's. The angles tried are 0.00015 apart;
+    # the shadow of a corner at distance 1 moves by that over cos^2
     least = max(least_area(polygon, side) for side in np.roll(polygon, -1, axis=0) - polygon)
     assert area / least == pytest.approx(shape.bound, rel=5e-3)
 
 
 def least_area(polygon: np.ndarray, side: np.ndarray) -> float:
-    """Smallest parallelogram around a polygon with one side along `side`, by trying 20000 directions of the other."""
+    """Return the smallest parallelogram around a polygon with one side along `side`, trying 20000 directions of the
+    other.
+    """
     along = side / np.linalg.norm(side)
     across = np.array([-along[1], along[0]])
     slopes = np.tan(np.linspace(-1.5, 1.5, 20001))
@@ -92,7 +98,7 @@ def least_area(polygon: np.ndarray, side: np.ndarray) -> float:
 
 @pytest.mark.parametrize("n", REGULAR)
 def test_regular(n):
-    """The closed forms of the light, and the same passes for every rotation."""
+    """Check the closed forms of the light, and that every rotation has the same passes."""
     polygon = aperture_shapes.regular_polygon(n)
     shape = decompose(polygon)
     odd = n * np.sin(2 * np.pi / n) / (8 * np.cos(np.pi / 2 / n) ** 3)
@@ -100,7 +106,7 @@ def test_regular(n):
     assert shape.light == pytest.approx(shape.bound)
     for rotation in (17.3, 90.0, 181.0, -45.0):
         assert_in_common(decompose(polygon, rotation), aperture_shapes.rotated(polygon, rotation), 1e-9)
-    # rounded sides are parallel still, and neither winding nor idle corners matter
+    # rounded sides are still parallel, and neither winding order nor extra corners matter
     rounded = (aperture_shapes.rotated(polygon, 11.0) + [0.0123, 0.0087]).round(3)
     halved = np.stack([0.5 * (polygon + np.roll(polygon, 1, axis=0)), polygon], axis=1).reshape(-1, 2)
     for corners in (rounded, halved, halved[::-1]):
@@ -117,9 +123,10 @@ DRAWN["any pentagon"] = parsed(PENTAGON)
 @pytest.mark.parametrize("name", DRAWN)
 @in_each_language
 def test_highlight_on_a_driver(name, rotation, squeeze, driver):
-    """One bright pixel becomes the polygon, not its reflection, known to half a pixel, as bright as the rule says.
+    """Check that a bright pixel becomes the polygon, not its reflection, to half a pixel and with the predicted
+    brightness.
 
-    Upright, turned, squeezed.
+    Upright, rotated and squeezed.
     """
     shape = decompose(DRAWN[name], rotation)
     corners = impulse.COC * aperture_shapes.rotated(DRAWN[name], rotation) * [squeeze, 1.0]
@@ -137,7 +144,7 @@ def test_highlight_on_a_driver(name, rotation, squeeze, driver):
 
 
 def test_light_of_the_document():
-    """Its table of regular polygons: passes, and the light that min keeps."""
+    """Compare the document's table of regular polygons: passes, and the light that min keeps."""
     table = DOCUMENT.split("### How much light it keeps")[1].split("\n## ")[0]
     cells = [row.strip("| ").split(" | ")[1:] for row in table.splitlines() if row.startswith("| ")]
     shapes = {sides: decompose(aperture_shapes.regular_polygon(int(sides))) for sides in cells[0]}
@@ -146,7 +153,7 @@ def test_light_of_the_document():
 
 
 def test_command():
-    """What the document shows of the triangle; any polygon's passes as they are drawn."""
+    """Compare the command with the document's triangle, and with the passes of another polygon."""
     shape, data = decompose(parsed(PENTAGON)), json.loads(called("aperture", "--vertices", PENTAGON).stdout)
     assert [item["parameters"] for item in data["passes"]] == [line.parameters() for line in shape.passes]
     assert data["light"] == shape.light

@@ -1,4 +1,4 @@
-"""The character of a lens: cat's eye and curved blades. On noise: test_within.py. Colour: its probes."""
+"""Test the lens's character: cat's eye and curved blades. test_within.py draws them on noise; probes test colour."""
 
 from dataclasses import replace
 from itertools import product
@@ -18,9 +18,10 @@ from bokeh_validation.frame.methods import Settings
 @pytest.mark.parametrize("amount, towards", [(0.0, 0.0), *product((0.4, 0.9), (0.0, 20.0, 45.0, 100.0))])
 @pytest.mark.parametrize("sides", [4, 6, 8, 10])
 def test_tiling(sides, amount, towards, rotation, squeeze):
-    """The parallelograms lie side by side and fill what two polygons have in common that are moved to both sides.
+    """Check that the parallelograms do not overlap, and fill the intersection of the polygon shifted to both sides.
 
-    towards  degrees, from the polygon's own axis: the aperture is cut, then rotated (radians) and squeezed
+    towards   degrees from the polygon's own axis: the aperture is cut, then rotated and squeezed
+    rotation  radians
     """
     cut = amount * aperture_shapes.direction(np.radians(towards))
     polygon, moved, found = (
@@ -42,7 +43,7 @@ def test_tiling(sides, amount, towards, rotation, squeeze):
             area = abs(geometry.signed_area(shape))
             assert area == pytest.approx(squeeze * parallelogram(k, i, sides, found) * found[k - 1], rel=1e-9)
             total += area
-    # an edge that is gone is still LEAST long, and moves the others by so much
+    # an edge that has vanished still has the length LEAST, and shifts the others by that much
     off = sides / 2 * LEAST if (found <= LEAST).any() else 1e-12
     assert total == pytest.approx(abs(geometry.signed_area(corners)), abs=off)
     assert (held != geometry.inside(corners, x, y)).mean() <= 4 * off
@@ -50,8 +51,8 @@ def test_tiling(sides, amount, towards, rotation, squeeze):
 
 @pytest.mark.parametrize("roundness", [0.1, 0.5, 1.0])
 def test_rounded_outline(roundness):
-    """A square whose corners are cut off, on the circle: a corner takes so much of an eighth, a side what is left of
-    its quarter. The chords, in turn.
+    """Check the chords of a square with cut corners on the circle: a corner takes a fraction of an eighth, a side the
+    rest of its quarter.
     """
     chords = np.sin(np.radians([22.5 * roundness, 45.0 - 22.5 * roundness]))
     np.testing.assert_allclose(edge_lengths(8, np.zeros(2), roundness), [*chords, *chords], rtol=1e-12)
@@ -62,9 +63,11 @@ def test_rounded_outline(roundness):
 )
 @pytest.mark.parametrize("sides", [4, 6, 8, 10])
 def test_made_for_a_cut(sides, uncut):
-    """BokehMakePolygon alone, and with a lens that cuts nothing: the plain polygon's lines (a hexagon's rays) and area.
+    """Check BokehMakePolygon alone, and with a lens that cuts nothing: lines (rays in a hexagon) and area of the plain
+    polygon.
 
-    2^-12 is far above float32's roundings, and far below sin(pi / 10) - sin(pi / 11) = 0.027, what a side more makes.
+    2^-12 is far above float32's roundings, and far below sin(pi / 10) - sin(pi / 11) = 0.027, the effect of one more
+    side.
     """
     made = f"vec2 uv = vec2(0.25, 1.0); BokehPolygon p = {uncut.format(f'BokehMakePolygon({sides}, 0.5, 0.75)')};"
     wanted = polygon_edge(2, sides, 0.5, 0.75, True, edge_lengths(sides))
@@ -77,7 +80,7 @@ def test_made_for_a_cut(sides, uncut):
 
 @spread("method", ["exact", "layered"])
 def test_nothing_to_cut(method, driver):
-    """An amount of 0 is the plain polygon, to the steps that two ways to compute it differ by."""
+    """Check that an amount of 0 gives the plain polygon, up to the rounding between two ways of computing it."""
     case = noise_case((61, 48), Settings(method, "hexagon", 7, camera=CAMERA, cats_eye=0.7))
     plain = result(driver, replace(case, settings=replace(case.settings, cats_eye=0.0)))
     cut, none = (everything(driver, case, BokehCatsEye=amount)["result"] for amount in (0.7, 0.0))

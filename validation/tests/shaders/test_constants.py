@@ -1,4 +1,4 @@
-"""The constants and presets are those that the harness and the documents have, and those that were tuned."""
+"""Check constants and presets against the harness and the documents, and the tuned ones against a list."""
 
 import re
 
@@ -14,7 +14,7 @@ from bokeh_validation.shaders import passes
 
 
 def test_defaults():
-    """Section [1] has the values that the harness takes where nobody says, and the limits of the reference."""
+    """Check that section [1] has the harness's default values, and the limits of the reference."""
     camera, settings = methods.Camera(), methods.Settings()
     samples, spacing = methods.EXACT_PRESETS[settings.preset]
     wanted = {
@@ -30,7 +30,7 @@ def test_defaults():
     for language in paths.LANGUAGES:
         text = shaders.file_text(language)
         found = {name: np.float32(value) for name, value in shaders.settings(language, text).items()}
-        # in WGSL the type of the depth buffer is an alias, which a user replaces
+        # in WGSL the type of the depth buffer is an alias that users replace
         known = {name: value for name, value in wanted.items() if language != "wgsl" or "MULTISAMPLED" not in name}
         assert found == {name: np.float32(value) for name, value in known.items()}, language
         table = dict(re.findall(r"^//   (BOKEH_(?!PRESET)\w+) +(-?[\d.]+) ", text, re.MULTILINE))
@@ -44,7 +44,7 @@ def test_defaults():
 
 
 def test_values():
-    """To the bit or nearly: what section [1] configures, what functions return that no entry calls, or for numbers that
+    """Check values exactly or nearly: what section [1] configures, functions that no entry calls, and arguments that
     no device can be given.
     """
     driver, frames = load("osmesa"), coverage_frames.all_frames()
@@ -57,7 +57,9 @@ PRESETS = {name.upper(): values for name, values in methods.EXACT_PRESETS.items(
 
 
 def test_presets():
-    """Fetches of the table are a frame's. Smooth is the CoC whose edge, half of it in a hexagon, the samples fill."""
+    """Check that the table has a frame's fetches; "smooth" is the CoC whose edge the samples fill, half of it in a
+    hexagon.
+    """
     for language in paths.LANGUAGES:
         text = shaders.file_text(language)
         rows = re.findall(
@@ -74,12 +76,12 @@ def test_presets():
 
 
 TUNED = paths.VALIDATION / "tests/shaders/constants.txt"
-# What is no choice: a half, a factor or an end of a share
+# Numbers that are not tuned: a half, a factor, or an end of a ramp
 PLAIN = {"0.0", "0.5", "1.0", "2.0"}
 
 
 def tuned() -> dict[str, list[str]]:
-    """Function of bokeh_layers.glsl -> its numbers in their order, but for PLAIN."""
+    """Return function of bokeh_layers.glsl -> its numbers in order, without PLAIN."""
     text = re.sub(r"//.*", "", paths.shader("glsl", "bokeh_layers").read_text(encoding="utf-8"))
     bodies = re.findall(r"^\w+ (\w+)\([^)]*\)\n\{\n(.*?)^\}", text, re.MULTILINE | re.DOTALL)
     found = {name: re.findall(r"(?<![\w.])\d+\.\d+", body) for name, body in bodies}
@@ -87,10 +89,10 @@ def tuned() -> dict[str, list[str]]:
 
 
 def test_tuned_constants():
-    """Of layered, which is its own reference: what constants.txt has, function by function.
+    """Compare the constants of layered, which has no independent reference, with constants.txt, function by function.
 
-    Written by hand, so that expected pictures written anew do not carry a changed constant with them. The other files'
-    functions are held to formulas.py, and the three languages to each other by parity.
+    The list is maintained by hand, so that newly written expected images do not hide a changed constant. Functions of
+    the other files are compared with formulas.py, and the three languages with each other by parity.
     """
     lines = [line.split() for line in TUNED.read_text(encoding="utf-8").splitlines() if not line.startswith("#")]
     assert tuned() == {name: numbers for name, *numbers in lines}

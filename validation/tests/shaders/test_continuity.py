@@ -1,6 +1,6 @@
-"""Small steps in, small steps out: the CoC, the focus distance and the place of a small highlight, frame by frame.
+"""Test that small steps of CoC, focus distance and position of a small highlight change the image in small steps.
 
-Every pass of every frame is held against a bound that follows from how far samples move (tests/sweep.py).
+Every pass of every frame must stay within a bound derived from how far samples move (tests/sweep.py).
 """
 
 from collections.abc import Iterable
@@ -29,12 +29,12 @@ METHODS = {
     "exact, spacing 1": methods.Settings("exact", "hexagon", camera=WIDE, spacing=1.0),
     "exact, spacing 2, at most 4": methods.Settings("exact", "octagon", camera=WIDE, spacing=2.0, samples=4),
 }
-# one driver of each language beside egl, on the two methods whose count changes with the CoC
+# besides egl, one driver per language on the two methods whose sample count follows the CoC
 RUNS = [("egl", name) for name in METHODS] + [(d, n) for d in LANGUAGES[1:] for n in METHODS if "spacing 1" in n]
 
 
 def picture(settings: methods.Settings) -> Case:
-    """Patches with hard edges, noise, and a highlight of one pixel and one of nine, a hundred times as bright."""
+    """Return patches with hard edges, noise, and highlights of one and of nine pixels, a hundred times as bright."""
     case = noise_case(SIZE, settings)
     case.color[20, 30, :3] = 300.0
     case.color[40:43, 45:48, :3] = 100.0
@@ -42,12 +42,12 @@ def picture(settings: methods.Settings) -> Case:
 
 
 def frame(driver: Driver, case: Case) -> dict[str, np.ndarray]:
-    """Everything that the passes write: green and CoC, (H, W, 2) float64."""
+    """Draw everything that the passes write; returns target -> green and CoC, (H, W, 2) float64."""
     return {name: image[..., [1, 3]].astype(np.float64) for name, image in everything(driver, case).items()}
 
 
 def worst(driver: Driver, case: Case, frames: Iterable[methods.Settings]) -> list[float]:
-    """From frame to frame, the largest change of a pixel in any pass over what sweep.allowed lets it change."""
+    """Return for each frame the largest change of a pixel in any pass, relative to what sweep.allowed() permits."""
     found, before = [], None
     for settings in frames:
         chosen = replace(case, settings=settings)
@@ -64,14 +64,15 @@ def worst(driver: Driver, case: Case, frames: Iterable[methods.Settings]) -> lis
 
 @pytest.mark.parametrize(("driver", "method"), RUNS)
 def test_coc_sweep(driver, method):
-    """CoC 0 to 0.2 of the height in steps of 1/8 pixel, every pass: no pixel changes by more than its samples' moves.
+    """Sweep the CoC from 0 to 0.2 of the height in steps of 1/8 pixel: no pixel of any pass changes more than its
+    samples' moves allow.
 
-    The same in steps of 1/64 pixel where the blur begins and samples are added: the bound is eight times smaller there,
-    a step in the image would not be.
+    Where the blur begins and samples are added, steps are 1/64 pixel: there the bound is eight times smaller, while a
+    jump in the image would not be.
     """
     base = METHODS[method]
     case = picture(base)
-    # where the blur begins, and where a second sample is added, on a line of a pixel
+    # where the blur begins, and where a line of one pixel gets a second sample
     sweeps = [np.arange(0.45, 1.1, FINE), np.arange(1.95, 2.1, FINE)]
     if driver == "egl":
         sweeps.append(np.arange(0.0, 0.2 * SIZE[1], COARSE))
@@ -80,18 +81,20 @@ def test_coc_sweep(driver, method):
         assert max(shares) <= 1.0, (pixels[int(np.argmax(shares))], max(shares))
 
 
-FOCUS = np.linspace(2.0, 30.0, 36)  # metres, 0.8 a frame
+FOCUS = np.linspace(2.0, 30.0, 36)  # metres, 0.8 per frame
 
 
 def scene_crop(settings: methods.Settings) -> Case:
-    """A piece of a ray-traced scene with near and far objects."""
+    """Return a part of a ray-traced scene with near and far objects."""
     scene = ray_traced.scene_case(ray_traced.STREET, "paper", "hexagon")
     return Case("", settings, scene.color[200:272, 280:376].copy(), scene.depth[200:272, 280:376].copy())
 
 
 @pytest.mark.parametrize("method", ["paper, spacing 1", "exact, spacing 1", "exact, 7 samples"])
 def test_rack_focus(method):
-    """Focus pulled through a scene, the CoC from depth: the same bound in every pass, the leakage test off."""
+    """Pull the focus through a scene with the CoC from depth: the same bound in every pass, with the
+    leakage test off.
+    """
     camera = methods.Camera(0.05, 0.05, 5.0, max_coc=0.15)
     base = replace(METHODS[method], camera=camera, leak_fix=False)
     case = scene_crop(base)
@@ -101,11 +104,12 @@ def test_rack_focus(method):
 
 
 def test_a_ray_has_no_step():
-    """The weights of a ray change by no more than the derivative of their formula times the change of the CoC.
+    """Check that the weights of a ray change by no more than the derivative of their formula times the change of the
+    CoC.
 
-    Both CoC enter by r alone, the sample's over the pixel's. Behind the focus sample i of N weighs
-    clamp(|r| N - i, 0, 1) / max(|r|, 1/4): per unit of r the clamp changes that by 4 N, and 1 / |r| by 16. In front of
-    it the weight changes by 4, where the half sets in over an eighth. What belongs to the pixel's surface is the
+    Both CoC enter only through r, the sample's over the pixel's. Behind the focus sample i of N has the weight
+    clamp(|r| N - i, 0, 1) / max(|r|, 1/4): per unit of r, the clamp changes that by 4 N, and 1 / |r| by 16. In front
+    of it the weight changes by 4, where the half ramps in over an eighth. The part of the pixel's surface is the
     weight, at most 4, times a ramp of slope 4.
     """
     count, step = 9.0, 1e-5
@@ -119,7 +123,7 @@ def test_a_ray_has_no_step():
 
 
 def planes(settings: methods.Settings) -> Case:
-    """A dark half at 2 m beside a bright half at 10 m."""
+    """Return a dark half at 2 m next to a bright half at 10 m."""
     size = (64, 128)
     color, depth = flat(size, 1.0), depth_of(size, 10.0)
     color[:, :32, :3], depth[:, :32] = 0.05, 2.0
@@ -128,10 +132,11 @@ def planes(settings: methods.Settings) -> Case:
 
 @pytest.mark.parametrize(("method", "steps"), [("paper, spacing 1", True), ("exact, spacing 1", False)])
 def test_the_leakage_test(method, steps):
-    """Listing 3's test compares two CoC: in the frame in which it turns, the picture steps. That of `exact` sets in.
+    """Check that the image steps in the frame where Listing 3's test flips, and that the test of `exact` ramps
+    instead.
 
-    The dark half at 2 m comes into focus, in 50 frames and in 400. What is continuous changes less in one of the eight
-    than in all: by an eighth where the change is even; half is the bound. A step is in one of them, whole.
+    The dark half at 2 m comes into focus in 50 frames, and in 400. A continuous change is smaller in one of eight
+    substeps than in all: an eighth if it is even; the bound is a half. A step happens within a single substep.
     """
     camera = methods.Camera(0.0285, 0.05, 5.0, max_coc=0.2)
     case = planes(replace(METHODS[method], camera=camera))
@@ -147,7 +152,7 @@ def test_the_leakage_test(method, steps):
 
 
 def highlight(settings: methods.Settings, diameter: float, place: float) -> Case:
-    """A disc on black whose centre is `place` pixels to the right of, and half as far below, a pixel's centre."""
+    """Return a disc on black, centred `place` pixels to the right and half as many below a pixel's centre."""
     size = (96, 72)
     color = flat(size)
     color[..., :3] = (1000.0 * sweep.disc(size, (48.5 + place, 36.5 + place / 2), diameter))[..., None]
@@ -157,10 +162,11 @@ def highlight(settings: methods.Settings, diameter: float, place: float) -> Case
 @pytest.mark.parametrize("pixels", [0.0, 0.6, 0.75, 0.9, 24.0], ids="CoC {:g} px".format)
 @pytest.mark.parametrize("changes", [{"spacing": 1.0}, {"spacing": 0.5}, {"samples": 7}], ids=str)
 def test_a_small_highlight_keeps_its_light(changes, pixels):
-    """A disc of 0.7 pixels moving by 1/16 pixel a frame: always the same light, in focus, fading in, and blurred.
+    """Check that a disc of 0.7 pixels that moves by 1/16 pixel per frame keeps its light: in focus, fading in, and
+    blurred.
 
-    A sample shares out its light completely wherever it is. Its place is off by e, so the light of a pass by 2 e on
-    each axis; the sums round by (N + 8) 2^-24.
+    A sample distributes its light completely wherever it is. Its position is off by e, so the light of a pass by 2 e
+    on each axis; the sums round by (N + 8) 2^-24.
     """
     settings = methods.Settings("exact", "hexagon", camera=WIDE, coc=pixels / 72, **changes)
     allowed = 2 * (4 * precision.SOFTWARE.place(96) + (settings.count + 8) * precision.FLOAT_STEP)

@@ -1,4 +1,4 @@
-"""BOKEH_CUSTOM_FETCH: textures read in another way than by section [2], by integration/stereo: arrays."""
+"""Test BOKEH_CUSTOM_FETCH with integration/stereo, which reads texture arrays instead of using section [2]."""
 
 import moderngl
 import numpy as np
@@ -17,7 +17,7 @@ SIZE = (48, 32)
 
 
 def stereo(entry: str) -> str:
-    """A GLSL program with stereo.glsl before the library."""
+    """Return a GLSL program with stereo.glsl in front of the library."""
     head, version, rest = shaders.glsl(entry).partition("#version 330\n")
     return f"{head}{version}{BLOCKS['glsl']}{rest}"
 
@@ -25,6 +25,7 @@ def stereo(entry: str) -> str:
 @pytest.mark.parametrize("entry", ENTRIES)
 @pytest.mark.parametrize("compiler", ["glslang", "hlsl glslang", "dxc", "fxc"])
 def test_compiles(compiler, entry):
+    """Compile entries with each compiler of the two languages."""
     hlsl = {model: f"{BLOCKS['hlsl']}{shaders.hlsl(model)}" for model in (5, 6)}
     build = {
         "glslang": lambda: glslang.parse(stereo(entry), "frag"),
@@ -37,7 +38,7 @@ def test_compiles(compiler, entry):
 
 
 def test_both_eyes():
-    """A slice each of the arrays: each eye's polygon is, to the bit, that of a texture of its own."""
+    """Check that each eye's slice of the arrays gives a result bit-identical to that from a separate texture."""
     driver, random = load("egl"), np.random.default_rng(1)
     maps = random.random((2, SIZE[1], SIZE[0], 4)).astype(np.float16)
     maps[..., 3] = random.uniform(-0.2, 0.2, maps.shape[:3])

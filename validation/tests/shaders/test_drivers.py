@@ -1,4 +1,4 @@
-"""Every driver against the float64 reference: scenes, targets, debug views, single samples."""
+"""Test every driver against the float64 reference: scenes, targets, debug views, single samples."""
 
 from dataclasses import replace
 
@@ -25,7 +25,9 @@ PART = (slice(206, 270), slice(264, 344))
 @pytest.mark.parametrize(("method", "aperture"), SHAPES)
 @pytest.mark.parametrize("scene", ray_traced.DRIVER_SCENES, ids=lambda s: s.name)
 def test_scenes(scene, method, aperture, all_drivers):
-    """Ray-traced, each method and aperture: close to the reference. All drivers on one scene, each language on both."""
+    """Compare each method and aperture with the reference on ray-traced scenes: all drivers on one, each language on
+    both.
+    """
     case = ray_traced.scene_case(scene, method, aperture)
     case = replace(case, color=case.color[PART].copy(), depth=case.depth[PART].copy())
     for driver in all_drivers if scene is ray_traced.DRIVER_SCENES[0] else map(load, LANGUAGES):
@@ -38,8 +40,10 @@ CHAINED = ("paper pentagon", "naive", "exact octagon", "lateral", "layered hexag
 
 @pytest.mark.parametrize("name", CHAINED)
 def test_passes_are_chained(name, driver):
-    """A frame drawn from end to end has in each target, to the bit, what its pass draws alone from the frame's other
-    targets. With that each pass, judged alone on the reference's inputs (probes/judges.py), stands for the frame.
+    """Check that a frame drawn from end to end is bit-identical to each pass drawn alone on the frame's other targets.
+
+    Together with each pass being judged alone on the reference's inputs (probes/judges.py), this covers the whole
+    frame.
     """
     frame = coverage_frames.of_settings(cases.tagged(cases.ENTRIES)[name])
     names = [output for item in frame.passes for output in item.outputs]
@@ -52,9 +56,10 @@ def test_passes_are_chained(name, driver):
 
 
 def test_maps_depth_and_views(driver):
-    """CoC maps through five lenses and of a constant, depth of every kind, the debug views, also of a part.
+    """Check CoC maps through five lenses and with a constant, depth of every kind, and the debug views, also of a
+    part.
 
-    With hostile numbers in each, and at the ends, where a MaxCoC of 0 must not divide by 0.
+    Each has invalid numbers, and extreme ones: a MaxCoC of 0 must not divide by 0.
     """
     frames = coverage_frames.all_frames()
     for label in (label for label in frames if label.startswith(("map", "constant", "view", "depth"))):
@@ -63,7 +68,7 @@ def test_maps_depth_and_views(driver):
 
 
 def rejected(driver, around: float) -> dict[str, np.ndarray]:
-    """One far, blurred pixel with a CoC of 2.5 pixels whose two samples fall on nearer ones at the depth `around`."""
+    """Draw a far, blurred pixel with a CoC of 2.5 pixels whose two samples hit nearer pixels at the depth `around`."""
     color = np.full((8, 16, 4), 9.0, np.float16)
     depth = np.full((8, 16), around, np.float32)
     color[4, 8, :3], depth[4, 8] = 0.5, 50.0
@@ -73,9 +78,10 @@ def rejected(driver, around: float) -> dict[str, np.ndarray]:
 
 
 def test_every_sample_rejected(driver):
-    """No centre sample, only focused nearer neighbours: the weights sum to zero, the centre pixel is the answer.
+    """Check that the centre pixel is returned if the weights sum to zero: no centre sample, only nearer neighbours in
+    focus.
 
-    With weights of a thousandth each the mean is that of the samples, not of the centre.
+    With weights of a thousandth each, the result is the samples' mean, not the centre.
     """
     output = rejected(driver, 2.0)
     assert 2.0 < output["coc"][4, 8, 3] * 8 < 3.0, "the samples must miss the pixel itself"
@@ -86,7 +92,7 @@ def test_every_sample_rejected(driver):
 
 
 def test_unknown_parameter_is_refused():
-    """A misspelt parameter must not fall back to its default."""
+    """Check that a misspelt parameter raises an error instead of using its default."""
     with pytest.raises(KeyError):
         Pass("BokehConstantCoC", {"ColorSamp": "color"}, "result", {"BokehCoC": 1.0}).values()
 
@@ -94,16 +100,16 @@ def test_unknown_parameter_is_refused():
 @pytest.mark.parametrize("count", [2, 127, 128, 129, 200, 256, 300])
 @pytest.mark.parametrize("driver", [*LANGUAGES, pytest.param("d3d9", marks=nightly)], indirect=True)
 def test_many_offsets(count, driver):
-    """A table of more offsets than a loop of shader model 3 has iterations: each is read once.
+    """Check that each offset is read once from a table with more offsets than shader model 3 allows loop iterations.
 
-    The offsets are whole pixels along a row, each nearer to the pixel than the last, with a value of its own there.
+    The offsets are whole pixels along a row, all different, with random values at the pixels.
     """
     width, coc = 1024, 0.5
     random = np.random.default_rng(count)
     color = np.ones((2, width, 4), np.float16)
     color[..., :3] = random.integers(0, 2, (2, width, 1))
     places = random.permutation(count) - count // 2
-    # uv counts widths, offsets the CoC over the aspect ratio 512: a pixel is 1 / 1024 of uv
+    # a width is 1 in uv; offsets are the CoC over an aspect ratio of 512, so a pixel is 1 / 1024 of uv
     kernel = np.zeros((1, count, 4), np.float32)
     kernel[0, :, 0] = places / width / coc * (width / 2)
     first = Pass("BokehConstantCoC", {"ColorSamp": "color"}, "coc", {"BokehConstantCoC": coc, "BokehMaxCoC": 1.0})
@@ -115,6 +121,6 @@ def test_many_offsets(count, driver):
     wanted = np.mean(
         [color[:, np.clip(np.arange(width) + place, 0, width - 1), 0] for place in places], axis=0, dtype=float
     )
-    # Weights are 1 and sums of 0 and 1 exact. A place is off by three roundings of 2^-24 of 1024 texels and the filter
-    # with it, 1.8e-4; a sample that is left out changes the mean by 1.6e-3 or more.
+    # Weights are 1, and sums of 0 and 1 are exact. A position is off by three roundings of 2^-24 of 1024 texels, and
+    # the filter with it, 1.8e-4; a sample that is left out changes the mean by at least 1.6e-3.
     np.testing.assert_allclose(output[..., 0], wanted, atol=2.0**-11)

@@ -1,4 +1,4 @@
-"""The exact polygons and the adaptive line: light, quality and noise. Their tiling: test_character.py."""
+"""Test the exact polygons and the adaptive line: light, quality and noise. test_character.py tests their tiling."""
 
 from dataclasses import replace
 
@@ -20,7 +20,7 @@ EXACT = tuple(methods.EXACT)
 
 
 def test_noise_has_no_bias():
-    """Interleaved gradient noise is spread evenly over -0.5 .. 0.5, in every frame another."""
+    """Check that interleaved gradient noise is uniform over -0.5 to 0.5, and different in every frame."""
     for frame in (0, 1, 63):
         value = noise((256, 128), frame)
         counts, _ = np.histogram(value, bins=10, range=(-0.5, 0.5))
@@ -37,10 +37,10 @@ def test_noise_has_no_bias():
 @pytest.mark.parametrize("aperture", EXACT)
 @in_each_language
 def test_light_on_float_targets(aperture, driver):
-    """An isolated highlight keeps its light to 0.002 on float32 targets, and its shape; each language, each rotation.
+    """Check that an isolated highlight keeps its light to 0.002 on float32 targets, and its shape, at every rotation.
 
-    Bilinear samples share the light out completely. What is left is the sampler: at 8 bits of sub-texel position each
-    of 1000 samples may be off by 1/512 of a texel at random, which averages out to 1e-4.
+    Bilinear samples distribute the light completely. The remaining error is the sampler's: with 8 bits of sub-texel
+    precision each of 1000 samples may be off by 1/512 of a texel at random, which averages to 1e-4.
     """
     for rotation in (0.0, 7.0, 22.5, 45.0):
         bokeh = exact.bokeh(aperture, rotation)
@@ -51,7 +51,9 @@ def test_light_on_float_targets(aperture, driver):
 
 @pytest.mark.parametrize(("scene", "better"), [("street_11", 5.0), ("canopy_12", 2.0)])
 def test_nearer_to_brute_force_than_paper(scene, better):
-    """An octagon: tone-mapped PSNR against 900 and more samples of the same polygon is so many dB above the paper's."""
+    """Check that an octagon's tone-mapped PSNR against at least 900 samples of the polygon is `better` dB above the
+    paper's.
+    """
     driver = load("egl")
     chosen = next(s for s in ray_traced.DRIVER_SCENES if s.name == scene)
     cases = {method: ray_traced.scene_case(chosen, method, "octagon") for method in ("paper", "exact")}
@@ -61,9 +63,11 @@ def test_nearer_to_brute_force_than_paper(scene, better):
 
 @pytest.mark.parametrize(("scene", "better"), [("street_11", 1.2), ("canopy_12", 0.8)])
 def test_nearer_to_the_truth_than_brute_force(scene, better):
-    """A hexagon: a sample counts by its own CoC, which the brute-force gather does not know.
+    """Check that a hexagon is nearer to the ray-traced truth than the brute-force gather, and `better` dB above the
+    paper.
 
-    So it is held to what a lens sees: tone-mapped PSNR above brute force's, and so many dB above the paper's.
+    The brute-force gather is no reference here, because `exact` weights a sample by its own CoC and the gather does
+    not.
     """
     driver = load("egl")
     chosen = next(s for s in ray_traced.DRIVER_SCENES if s.name == scene)
@@ -78,7 +82,7 @@ def test_nearer_to_the_truth_than_brute_force(scene, better):
 
 
 def test_jitter_leaves_dense_samples_alone():
-    """Where the samples are a pixel apart there is nothing to hide, and no noise."""
+    """Check that samples a pixel apart get no random offsets, since there is no pattern to hide."""
     for aperture in EXACT:
         settings = Settings("exact", aperture, camera=CAMERA, spacing=1.0)
         cases = [noise_case((61, 48), replace(settings, jitter=jitter)) for jitter in (0.0, 1.0)]
@@ -97,10 +101,10 @@ def test_jitter_leaves_dense_samples_alone():
     ],
 )
 def test_every_frame_and_pass_has_its_own_noise(method, aperture, targets, name):
-    """The lines of `paper` are numbered, and each pass has another noise in the next frame, on a device.
+    """Check that lines of `paper` are numbered, and that each pass has different noise in the next frame.
 
-    One pass at a time gets the next frame's number: what it writes changes, so it reads its own. Noise comes again
-    after 64 frames.
+    One pass at a time gets the next frame's number; its result must change, so it uses its own. Noise repeats after 64
+    frames.
     """
     driver = load(name)
     settings = Settings(method, aperture, camera=CAMERA, coc=0.3, spacing=1.0, samples=3, jitter=1.0)
@@ -108,7 +112,7 @@ def test_every_frame_and_pass_has_its_own_noise(method, aperture, targets, name)
     case = noise_case((61, 48), settings)
     following = replace(case, settings=replace(settings, frame=1)).plan.passes
     passes = case.plan.passes
-    # the exact passes number themselves: the second must not read what the first does
+    # the exact passes have fixed numbers: the second must differ from the first
     numbers = [item.values()["BokehPassIndex"] for item in passes[1:]]
     assert method == "exact" or numbers == list(range(len(numbers))), numbers
     written = [output for item in passes for output in item.outputs]
@@ -123,7 +127,9 @@ def test_every_frame_and_pass_has_its_own_noise(method, aperture, targets, name)
 
 @in_each_language
 def test_noise_comes_again(driver):
-    """After 64 frames, and after 2^22 as well, where the number of the frame times 33/64 has no room for a fraction."""
+    """Check that noise repeats after 64 frames, also at frame 2^22, where frame times 33/64 has no bits left for a
+    fraction.
+    """
     camera = methods.Camera(max_coc=1.0)
     settings = methods.Settings("exact", coc=0.5, camera=camera, samples=3, spacing=1.0, jitter=1.0)
     results = []
@@ -138,13 +144,13 @@ def test_noise_comes_again(driver):
 @pytest.mark.parametrize("method", ["paper", "exact"])
 @in_each_language
 def test_half_a_pixel_is_in_focus(method, driver):
-    """A CoC of up to half a pixel blurs nothing, to the bit; one of a pixel does."""
+    """Check that a CoC of up to half a pixel leaves the image bit-identical, and that one of a pixel blurs it."""
     camera = methods.Camera(max_coc=1.0)
-    # so close that a line of a pixel has several samples
+    # so dense that a line of one pixel has several samples
     settings = methods.Settings(method, "hexagon", spacing=0.1, leak_fix=False, camera=camera)
     results = {}
     for coc in (0.3, 0.5, 1.0):
-        # powers of two: uv and half a pixel are exact
+        # powers of two, so that uv and half a pixel are exact
         case = noise_case((64, 32), replace(settings, coc=coc / 32.0))
         results[coc] = driver.run(case.plan.passes, case.textures(), case.size, keep=("coc", "result"))
     for coc in (0.3, 0.5):
@@ -153,9 +159,9 @@ def test_half_a_pixel_is_in_focus(method, driver):
 
 
 def test_a_line_of_no_length(driver):
-    """An adaptive line of length 0 beside the pixel is one sample there: the image moved by its middle.
+    """Check that an adaptive line of length 0 off the pixel is a single sample there: the image is shifted.
 
-    Everything is a power of two: uv, and with it the place of the sample, is exact.
+    Everything is a power of two, so that uv and the sample's position are exact.
     """
     width, height, coc = 64, 32, 0.25
     color = noise_case((width, height), methods.Settings()).color
@@ -173,5 +179,5 @@ def test_a_line_of_no_length(driver):
     line = Pass("BokehAdaptive", {"ColorSamp": "coc", "DepthSamp": "depth"}, "result", parameters)
     textures = {"color": color, "depth": depth_of((width, height), 5.0)}
     output = driver.run([first, line], textures, (width, height))["result"]
-    # the CoC is 8 pixels: 4 to the right and 2 up
+    # the CoC is 8 pixels, so the shift is 4 to the right and 2 up
     np.testing.assert_array_equal(output[2:, :-4, :3], color[:-2, 4:, :3])

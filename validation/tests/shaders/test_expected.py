@@ -1,9 +1,10 @@
-"""What each pass of layered made of small pictures when it was last looked at and found good.
+"""Compare each pass of layered on small images with results in the repository that were reviewed when they were
+written.
 
-The reference of layered is its own GLSL, so a mistake that is the same in all languages would be in the reference too.
-Here it is held to pictures in the repository, pass by pass, each from what the file has of the passes before it.
+The reference of layered is its own GLSL, so a mistake made in all languages would be in the reference too. Here each
+pass is compared with stored images, starting from the stored inputs.
 
-After a change that is meant, write them anew and say in the commit why they changed:
+After an intended change, write them anew and say in the commit why they changed:
 
     BOKEH_WRITE_EXPECTED=1 validation/test validation/tests/shaders/test_expected.py
 """
@@ -24,17 +25,19 @@ from bokeh_validation.shaders.entries import ENTRIES
 
 FILE = paths.VALIDATION / "tests/shaders/expected_layered.npz"
 SIZE = (37, 27)
-# so wide that lines of a layer take samples farther apart than a texel, and read its level
+# wide enough that lines of a layer have samples more than a texel apart, and read its quarter layer
 WIDE_SIZE = (16, 120)
 SETTINGS = cases.tagged(cases.EXPECTED)
 
 
 def case(name: str) -> Case:
-    """Random patches; in one of them black on the left and lights on the right, in the planes one depth."""
+    """Return a case of random patches; "hexagon" also has black on the left and lights on the right, planes have one
+    depth.
+    """
     size = WIDE_SIZE if name.startswith("wide") else SIZE
     found = noise_case(size, SETTINGS[name])
     if name == "slope":
-        # shares of the near layer from none to all
+        # weights of the near layer from 0 to 1
         columns = [near_edges.metres(coc, SIZE[1]) for coc in np.linspace(-4.0, -12.0, SIZE[0])]
         return replace(found, depth=np.tile(np.float32(columns), (SIZE[1], 1)))
     if name.startswith("plane"):
@@ -52,7 +55,7 @@ def case(name: str) -> Case:
 
 @pytest.fixture(scope="module")
 def expected() -> dict[str, np.ndarray]:
-    """'case/texture' -> (H, W, 4) float16; written first where that was asked for."""
+    """Return 'case/texture' -> (H, W, 4) float16; written first if BOKEH_WRITE_EXPECTED is set."""
     if os.environ.get("BOKEH_WRITE_EXPECTED"):
         written = {}
         for name in SETTINGS:
@@ -67,7 +70,7 @@ def expected() -> dict[str, np.ndarray]:
 
 @pytest.mark.parametrize("name", SETTINGS)
 def test_every_pass(name, expected):
-    """To a step of the half floats that they are stored in: sin and cos may differ in a last bit."""
+    """Compare to one step of the stored half floats, since sin and cos may differ in the last bit."""
     mine = {key.removeprefix(f"{name}/"): pixels for key, pixels in expected.items() if key.startswith(f"{name}/")}
     drawn = case(name)
     results = pass_images.images(drawn.plan.passes, drawn.textures(), drawn.size, given=mine)
@@ -79,7 +82,7 @@ def test_every_pass(name, expected):
 
 
 def test_two_steps_are_noticed(expected):
-    """The tolerance of test_every_pass is no wider than it says."""
+    """Check that the tolerance of test_every_pass is not wider than it says."""
     off = {key: pixels.copy() for key, pixels in expected.items()}
     pixel = off["little/result"][5, 5]
     pixel[:3] += 2 * images.step(np.abs(pixel[:3]).astype(np.float64), np.float16).astype(np.float16)
@@ -88,6 +91,6 @@ def test_two_steps_are_noticed(expected):
 
 
 def test_every_entry_is_expected():
-    """All entries of bokeh_layers.* are drawn above."""
+    """Check that the cases draw all entries of bokeh_layers.*."""
     drawn = {item.entry for name in SETTINGS for item in case(name).plan.passes}
     assert {entry.name for entry in ENTRIES.values() if entry.layers} <= drawn

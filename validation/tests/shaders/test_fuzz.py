@@ -1,6 +1,6 @@
-"""Random parameters and images: finite, not negative, and within the interval of the reference.
+"""Test random parameters and images: results are finite, not negative, and within the interval of the reference.
 
-750 cases over all methods and one driver of each language. Numbers from the seeds are the same everywhere;
+There are 750 cases over all methods, on one driver per language. Seeds give the same numbers everywhere;
 BOKEH_FUZZ_SEED=N draws others. A failure names the seed of its case.
 """
 
@@ -18,10 +18,10 @@ from bokeh_validation.probes.model import Case
 from bokeh_validation.reference.listings import MAX_COLOR
 
 SEED = int(os.environ.get("BOKEH_FUZZ_SEED", "2012"))
-# Cases of each method for each driver
+# Number of cases of each method for each driver
 CASES = {"paper": 90, "exact": 95, "naive": 30, "naive-grid": 35}
 DRIVERS = ("osmesa", "wgpu", "dxc")
-# Each number of samples is another program of each entry, so few: an even one, and odd ones
+# Each sample count needs another program for each entry, so there are few: one even, the others odd
 SAMPLES = {"paper": (2, 3, 7, 13), "exact": (2, 7), "naive": (2, 7), "naive-grid": (2, 3, 7)}
 APERTURES = {
     "paper": aperture_shapes.NAMES,
@@ -34,7 +34,7 @@ SPECIAL_SHARE = 1 / 8
 
 
 def draw(method: str, seed: int) -> Case:
-    """Any setting of a method, float32, as the shaders get it, on random pixels."""
+    """Draw random settings of a method, as float32, which is what shaders receive, and random pixels."""
     random = np.random.default_rng([seed, *method.encode()])
 
     def number(low: float, high: float, *special: float) -> float:
@@ -48,7 +48,7 @@ def draw(method: str, seed: int) -> Case:
     camera = Camera(
         aperture_diameter=number(0.0, 1.0, 0.0, 1e6),
         focal_length=number(0.01, 0.25),
-        # before the focal length, at its largest, at infinity
+        # closer than the focal length, at its largest value, at infinity
         focus_distance=number(0.25, 20.0, 0.01, 0.25, 1e9),
         sensor_height=number(0.01, 0.05, 0.0),
         max_coc=number(0.0, 1.0, 0.0, 1.0),
@@ -74,7 +74,7 @@ def draw(method: str, seed: int) -> Case:
     shape = tuple(random.integers(1, MOST_SIDE + 1, 2))
     # 6 clips one in thirty at the largest half float
     color = random.lognormal(0.0, one([0.5, 2.0, 6.0]), (*shape, 4))
-    # in focus and nearly, or nothing would be sharp enough to leak
+    # depths in focus and nearly so, or nothing would be sharp enough to leak
     levels = [*random.uniform(0.2, 30.0, 3), *(camera.focus_distance * np.array([1.0, random.uniform(0.9, 1.1)]))]
     depth = random.choice(levels, shape).astype(np.float32)
     color = sprinkled(random, np.minimum(color, MAX_COLOR).astype(np.float16), COLOR, one([0.0, 0.02, 0.3]))
@@ -85,7 +85,7 @@ def draw(method: str, seed: int) -> Case:
 @pytest.mark.parametrize("name", DRIVERS)
 @pytest.mark.parametrize("method", CASES)
 def test_random_cases(method, name):
-    """Beside the result the CoC map's interval; its colour is the input's."""
+    """Check random cases: the result, and the CoC map, whose colour is the input's."""
     driver, blurred, narrow = load(name), [], []
     for index in range(CASES[method]):
         case = draw(method, SEED + 10_000 * DRIVERS.index(name) + index)
@@ -99,5 +99,5 @@ def test_random_cases(method, name):
         result, coc = found.expected["result"], found.expected["coc"].value[..., 3]
         blurred.append((np.abs(coc) * case.size[1] > 2.0).any())
         narrow.append((result.error[..., :3] <= result.value[..., :3].max() / 16).mean())
-    # or they might all be in focus, or allow anything
+    # otherwise all cases might be in focus, or their intervals might allow anything
     assert np.mean(blurred) > 0.5 and np.mean(narrow) > 0.8

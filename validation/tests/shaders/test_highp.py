@@ -1,4 +1,4 @@
-"""The libraries are float throughout, and stay so in a program that begins with mediump."""
+"""Test that the libraries use float throughout, also in a program that begins with mediump."""
 
 import re
 
@@ -10,7 +10,7 @@ from bokeh_validation.compilers import glslang
 
 
 def test_libraries_have_no_half():
-    """No word in any of the three that makes a variable 16 bits; comments may have it."""
+    """Check that no language uses a word for 16-bit variables; comments may."""
     for language in paths.LANGUAGES:
         for stem in paths.STEMS:
             code = re.sub(r"//.*", "", shaders.file_text(language, stem))
@@ -20,7 +20,9 @@ def test_libraries_have_no_half():
 
 @pytest.mark.parametrize("entry", ["BokehDepthOfField", "BokehComposite"])
 def test_highp_wins_over_mediump(entry):
-    """`precision mediump float;` before the library relaxes nothing; without the library's own lines it would."""
+    """Check that `precision mediump float;` before the library has no effect; without the library's own lines it
+    would.
+    """
     head = f"#version 310 es\nprecision mediump float;\n#define BOKEH_PASS {shaders.glsl_pass(entry)}\n"
     text = shaders.text("glsl")
     without_highp = re.sub(r"^precision highp \w+;\n", "", text, flags=re.MULTILINE)

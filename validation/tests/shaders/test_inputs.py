@@ -1,4 +1,6 @@
-"""Inputs as engines have them: every convention and format gives the same depth, every camera the documents' CoC."""
+"""Test inputs as engines have them: every convention and format gives the same depth, every camera the
+documented CoC.
+"""
 
 import numpy as np
 import pytest
@@ -11,18 +13,19 @@ from bokeh_validation.reference import listings
 from bokeh_validation.shaders.passes import Pass
 
 NEAR, FAR = 0.1, 200.0
-# float32: seven operations of the formulas at 2^-24 each, a division counts for 2.5 (Vulkan's allowance)
+# float32: the formulas' seven operations at 2^-24 each, where a division is 2.5 (Vulkan's allowance)
 ROUNDINGS = 12 * 2.0**-24
-# Vulkan and WebGPU let log2 be off by 3 steps, exp2 by 3 + 2 x of 2^-23, where x = log2(1 + FAR) < 8; and 3 roundings
+# Vulkan and WebGPU allow log2 to be off by 3 steps of 2^-23, exp2 by 3 + 2 x, where x = log2(1 + FAR) < 8; plus 3
+# roundings
 LOGARITHM_ROUNDINGS = 8 * np.log(2) * 4 * 2.0**-23 + (3 + 2 * 8) * 2.0**-23 + 3 * 2.0**-24
-# Formats: steps of a fixed point from 0 to 1; 0 for float32
+# Formats -> steps of fixed point from 0 to 1; 0 for float32
 FORMATS = {"32 bit float": 0, "24 bit": 2**24 - 1, "16 bit": 2**16 - 1}
-# A scene's depths, (24, 40), from just behind the near plane to just before the far one
+# Depths in metres, (24, 40), from just behind the near plane to just in front of the far plane
 METRES = np.geomspace(NEAR * 1.01, FAR * 0.99, 24 * 40).reshape(24, 40)
 
 
 def slope(metres: np.ndarray, kind: int) -> np.ndarray:
-    """Metres for each unit of what the buffer holds, at a distance: the formulas' derivatives."""
+    """Return the derivative of metres by the stored value at a distance, for a convention."""
     perspective = metres**2 * (FAR - NEAR) / (NEAR * FAR)
     return {
         0: np.ones_like(metres),
@@ -38,7 +41,7 @@ def slope(metres: np.ndarray, kind: int) -> np.ndarray:
 
 
 def linearised(driver, depth, kind: int, near: float = NEAR, far: float = FAR) -> np.ndarray:
-    """BokehLinearDepth of rows of numbers on a driver."""
+    """Run BokehLinearDepth on rows of numbers; returns metres."""
     depth = np.array(depth, np.float32)
     parameters = {"BokehDepthKind": float(kind), "BokehNear": near, "BokehFar": far}
     item = Pass("BokehLinearDepth", {"DepthSamp": "depth"}, "linear", parameters)
@@ -46,7 +49,7 @@ def linearised(driver, depth, kind: int, near: float = NEAR, far: float = FAR) -
 
 
 def coc_map(driver, camera: methods.Camera, values, entry: str = "BokehCoCMap") -> np.ndarray:
-    """CoC of some depths on a driver, from white."""
+    """Return the CoC of some depths in metres on a driver; the colour is white."""
     depth = np.array([values], np.float32)
     item = Pass(entry, {"ColorSamp": "color", "DepthSamp": "depth"}, "coc", camera.parameters())
     textures = {"color": flat(depth.shape[::-1], 1.0), "depth": depth}
@@ -55,7 +58,7 @@ def coc_map(driver, camera: methods.Camera, values, entry: str = "BokehCoCMap") 
     return coc[:, 3]
 
 
-# metres and clip depth are not kept in fixed-point formats
+# metres and clip depth are not stored in fixed-point formats
 CASES = [
     pytest.param(kind, name, id=f"{kind_name}, {name}")
     for kind_name, kind in listings.DEPTH_KINDS.items()
@@ -66,43 +69,44 @@ CASES = [
 
 @pytest.mark.parametrize(("kind", "name"), CASES)
 def test_same_depth_from_every_convention(kind, name, driver):
-    """Off by no more than the format's step times the formula's slope, and float32."""
+    """Check that depth is off by no more than the format's step times the formula's slope, plus float32's roundings."""
     steps = FORMATS[name]
     wanted = listings.stored_depth(METRES, kind, NEAR, FAR)
     found = linearised(driver, np.rint(wanted * steps) / steps if steps else wanted, kind).astype(np.float64)
     step = 0.5 / steps if steps else 2.0**-24 * np.abs(wanted)
-    # 2^-24 of 1 enters where a formula subtracts from far or from 1
+    # 2^-24 of 1 is added where a formula subtracts from far or from 1
     step = step + 2.0**-24 * np.maximum(np.abs(wanted), 1.0 if kind in (1, 4, 6) else 0.0) * 3
-    # the logarithm is taken of metres + 1, and 1 subtracted again
+    # the logarithm is that of metres + 1, and 1 is subtracted again
     rounded = LOGARITHM_ROUNDINGS * (METRES + 1.0) if kind == 8 else ROUNDINGS * METRES
     allowed = slope(METRES, kind) * step + rounded
-    # the slope is that at the wanted distance: where a step moves far, the curve is steeper on the way
+    # the slope is taken at the wanted distance; if a step moves far, the curve gets steeper on the way
     allowed *= np.where(kind in (5, 6, 7, 8, 0), 1.0, 1.0 / np.maximum(1.0 - allowed / METRES, 1e-9))
     assert (np.abs(found - METRES) <= allowed).all()
-    # it says something: the coarsest, 16 bits, leave open 1.6 %
+    # the bound is meaningful: the coarsest format, 16 bits, allows 1.6 %
     assert (allowed <= 0.016 * METRES).all()
 
 
 def test_ends_of_the_range(driver):
-    """The near plane, the far plane and infinity, exactly at the ends of what a buffer can hold."""
+    """Check near plane, far plane and infinity, exactly at the ends of a buffer's range."""
     for kind, *ends in ((1, 0.0, 1.0), (2, 1.0, 0.0), (4, -1.0, 1.0), (5, 0.0, 1.0), (6, 1.0, 0.0)):
-        # far - 1 (far - near) leaves near with the rounding of far: 2^-24 far / near of it
+        # far - 1 (far - near) leaves near with the rounding of far, 2^-24 far / near relative
         np.testing.assert_allclose(linearised(driver, [ends], kind), [[NEAR, FAR]], rtol=4 * 2.0**-24 * FAR / NEAR)
     np.testing.assert_allclose(linearised(driver, [[0.0, 1.0]], 3), [[listings.MAX_DEPTH, NEAR]], rtol=1e-6)
     for kind in (7, 8):
         np.testing.assert_allclose(linearised(driver, [[1.0]], kind), FAR, rtol=LOGARITHM_ROUNDINGS * (FAR + 1.0) / FAR)
 
 
-# nothing that a camera stores
+# values that no camera stores
 BAD = np.array([[np.nan, np.inf, -np.inf, -1e30, -2.0, 1e30, 1e9, 0.0, 1.0]], np.float32)
 
 
 @pytest.mark.parametrize("kind", listings.DEPTH_KINDS.values(), ids=listings.DEPTH_KINDS)
 def test_bad_depth_of_every_convention(kind, driver):
-    """Any number goes through its formula, and what comes out counts as docs/inputs.md says of metres.
+    """Check that any number goes through its formula, and the result is treated like metres in docs/inputs.md.
 
-    Tolerance of the ends of the range: the formulas of perspective lose far / near there. Of the logarithm: a 1 is
-    subtracted again. Where far - near is far in float32, finite all the same, and so is a far plane at infinity.
+    Tolerances at the ends of the range: perspective formulas lose far / near there; with the logarithm a 1 is
+    subtracted again. If far - near equals far in float32, the result is still finite, and so is that of a far plane at
+    infinity.
     """
     wanted = listings.linear_depth(BAD.astype(np.float64), kind, NEAR, FAR)
     atol = LOGARITHM_ROUNDINGS if kind == 8 else 0.0
@@ -123,7 +127,7 @@ CAMERAS = {
     "a pinhole": methods.Camera(0.0, 0.05, 5.0, max_coc=0.2),
     "no lens": methods.Camera(0.05, 0.0, 5.0, max_coc=0.2),
     "no sensor": methods.Camera(0.05, 0.05, 5.0, sensor_height=0.0, max_coc=0.2),
-    # it counts as BOKEH_MIN_DEPTH: not 0 / 0 in focus, and with so small an aperture not infinite elsewhere
+    # 0 is replaced by BOKEH_MIN_DEPTH: not 0 / 0 in focus, and not infinite elsewhere with so small an aperture
     "no sensor, hardly an aperture": methods.Camera(2.0**-20, 0.0625, 4.0, sensor_height=0.0, max_coc=1.0),
     "MaxCoC 0": methods.Camera(0.05, 0.05, 5.0, max_coc=0.0),
     "MaxCoC 1": methods.Camera(0.05, 0.05, 5.0, max_coc=1.0),
@@ -136,17 +140,19 @@ DEPTHS = (np.nan, -1.0, 0.0, 1e-5, 5e-4, 0.05, 0.1, 1.0, 2.0, 3.9, 4.0, 4.1, 5.0
 
 @spread("name", CAMERAS)
 def test_cameras(name, driver):
-    """Every camera gives a CoC that is finite and within 0 .. MaxCoC, the one that the documents tell; signed, the same
-    one, below 0 where the pixel is nearer than the focus, as depth that is none is.
+    """Check that every camera gives a finite CoC from 0 to MaxCoC, as documented.
+
+    The signed CoC has the same magnitude, and is negative where the pixel is nearer than the focus, also for invalid
+    depth.
     """
     camera = CAMERAS[name]
     coc = coc_map(driver, camera, DEPTHS)
     assert np.isfinite(coc).all() and coc.min() >= 0.0 and coc.max() <= camera.max_coc
-    # the difference from the focal length is taken of float32 numbers
+    # the difference from the focal length is computed from float32 numbers
     depth = listings.safe_depth(np.float32(DEPTHS).astype(np.float64))
     values = vars(camera) | {"focus_distance": float(np.float32(camera.focus_distance))}
     wanted = listings.circle_of_confusion(depth, *values.values())
-    # S1 - f and S2 - S1 lose what they have in common: 2^-24 of the larger, over the difference
+    # S1 - f and S2 - S1 lose what they have in common: 2^-24 of the larger number, over the difference
     focus = min(camera.focus_distance, listings.MAX_DEPTH)
     lost = 2.0**-23 * focus / max(abs(focus - camera.focal_length), 1e-6)
     away = np.abs(depth - focus) >= 1e-6 * focus
@@ -161,8 +167,10 @@ FOCUS = methods.Camera(0.0625, 0.0625, 4.0, sensor_height=0.03125, max_coc=0.25)
 @pytest.mark.parametrize("scale", [(1.0, 1.0), (0.0, 1.0), (1.0, 0.0), (0.5, 2.0)], ids=str)
 @in_each_language
 def test_focus_controls(scale, driver):
-    """Sharp from 3.5 to 5 m; in front of and behind that the CoC of a lens that is focused at the end, times the
-    side's factor, which may be 0, up to the side's limit. Depth from a rectangle of a larger buffer, half of it.
+    """Check the focus controls: sharp from 3.5 to 5 m; outside, the CoC of a lens focused at the end of the range.
+
+    It is multiplied by the side's factor, which may be 0, and limited to the side's maximum. Depth comes from a
+    rectangle of a larger buffer, half of its width.
     """
     metres = np.array([[0.5, 1.0, 2.0, 3.0, 3.5, 3.75], [4.0, 4.5, 5.0, 6.0, 8.0, 1024.0]])
     controls = methods.Focus((0.5, 1.0), scale, (0.0625, 0.03125))
@@ -183,12 +191,14 @@ def test_focus_controls(scale, driver):
 @pytest.mark.parametrize("kind", [5, 6])
 @in_each_language
 def test_orthographic_camera_with_a_near_plane_below_zero(kind, driver):
-    """The recipe of docs/inputs.md: one number added to the planes and the focus moves the camera, and no surface."""
+    """Check the recipe of docs/inputs.md: adding a constant to the planes and the focus moves the camera, but no
+    surface.
+    """
     near, far, back = -2.0, 8.0, 3.0
     metres = np.linspace(near, far, 21)
     stored = (metres - near) / (far - near) if kind == 5 else (far - metres) / (far - near)
     moved = linearised(driver, [stored], kind, near + back, far + back)[0]
-    # stored depth is off by half of a step of float32 at 1, of which there are far - near metres
+    # stored depth is off by half a step of float32 at 1, which stands for far - near metres
     np.testing.assert_allclose(moved, metres + back, rtol=ROUNDINGS, atol=2.0**-25 * (far - near))
     coc = coc_map(driver, methods.Camera(0.05, 0.05, 1.5 + back, max_coc=0.2), moved, "BokehSignedCoCMap")
     assert (coc[metres < 1.5] < 0.0).all() and (coc[metres > 1.5] > 0.0).all() and abs(coc[metres == 1.5]) < 1e-6
@@ -196,9 +206,10 @@ def test_orthographic_camera_with_a_near_plane_below_zero(kind, driver):
 
 @pytest.mark.parametrize("method", ["exact", "layered"])
 def test_glass_with_a_coc_of_its_own(method):
-    """Recipe 3 of docs/inputs.md: its CoC drawn into the map's alpha gives, to the bit, what its depth would give.
+    """Check recipe 3 of docs/inputs.md: drawing the CoC into the map's alpha is bit-identical to using the glass's
+    depth.
 
-    No pixel is 4 times as bright as its neighbour: beside such a light the map has the light's CoC, which the recipe
+    No pixel is 4 times as bright as its neighbour: next to such a light the map has the light's CoC, which the recipe
     does not draw.
     """
     case, driver = noise_case((48, 32), methods.Settings(method, "hexagon", camera=CAMERA)), load("egl")

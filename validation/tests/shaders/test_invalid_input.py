@@ -1,4 +1,6 @@
-"""Bad input on every driver: it counts as docs/inputs.md says, and changes no pixels but those that reach it."""
+"""Test bad input on every driver: it is treated as docs/inputs.md says, and changes only the pixels that
+it can reach.
+"""
 
 from dataclasses import replace
 
@@ -17,13 +19,13 @@ from bokeh_validation.reference.listings import MAX_DEPTH, safe_color
 SIZE = (96, 64)
 CAMERA = Camera(0.08, 0.05, 4.0, max_coc=0.12)
 METHODS = cases.tagged(cases.BAD_INPUT, CAMERA)
-# One hostile case on every driver
+# One case of bad input that runs on every driver
 EVERYWHERE = ("exact hexagon", "layered hexagon")
 # Methods whose CoC is signed
 SIGNED = ("exact", "layered")
-# Textures of layered with the mean logarithm of brightness in blue
+# Textures of layered with the mean logarithm of brightness in blue, which may be negative
 LEVELS = ("tiles", "tiles along rows", "dilated tiles")
-# The engine's alpha, which counts for nothing
+# The engine's alpha, which is ignored
 ALPHA = (np.nan, np.inf, -np.inf)
 
 
@@ -33,7 +35,7 @@ ALPHA = (np.nan, np.inf, -np.inf)
 
 
 def scene(method: str) -> tuple[Case, Case]:
-    """A picture that has one pixel of every bad value, and the same with what each counts as in its place.
+    """Return an image with one pixel of every bad value, and the same with the values that these are treated as.
 
     Random colour over a slope with steps: CoC from 0 to 6 texels, and every outcome of the leakage test.
     """
@@ -56,12 +58,12 @@ def scene(method: str) -> tuple[Case, Case]:
 
 
 def differing(a: np.ndarray, b: np.ndarray) -> np.ndarray:
-    """(H, W) bool: pixels that are not the same to the bit, but for the sign of 0."""
+    """Return (H, W) bool: pixels that are not bit-identical, ignoring the sign of 0."""
     return (a != b).any(axis=-1)
 
 
 def assert_safe(found: dict[str, np.ndarray], settings: Settings) -> None:
-    """Every number of every texture is finite and not negative, but for the CoC where it is signed, and LEVELS."""
+    """Check that every number of every texture is finite and not negative, except a signed CoC, and LEVELS."""
     for name, pixels in found.items():
         assert np.isfinite(pixels).all(), f"{name}: {np.count_nonzero(~np.isfinite(pixels))} numbers are not finite"
         numbers = pixels[..., : 2 if name in LEVELS else 3] if settings.method in SIGNED else pixels
@@ -69,14 +71,14 @@ def assert_safe(found: dict[str, np.ndarray], settings: Settings) -> None:
 
 
 def assert_right(driver: drivers.Driver, case: Case) -> None:
-    """All textures are safe and the result is within the reference's interval."""
+    """Check that all textures are safe and the result is within the reference's interval."""
     assert_safe(everything(driver, case), case.settings)
     within(driver, case)
 
 
 @spread("method", METHODS, EVERYWHERE)
 def test_bad_pixels_count_as_documented(method, driver):
-    """To the bit what the same shaders make of the numbers that stand for them, in every texture of every pass."""
+    """Check that every texture of every pass is bit-identical to that with the documented replacement values."""
     found, wanted = (everything(driver, case) for case in scene(method))
     assert_safe(found, METHODS[method])
     for name in found:
@@ -86,12 +88,12 @@ def test_bad_pixels_count_as_documented(method, driver):
 
 @spread("method", METHODS)
 def test_damage_is_confined(method, driver):
-    """One bad pixel in a wide picture: nothing changes, to the bit, farther away than the passes reach.
+    """Check that one bad pixel in a wide image changes nothing farther away than the passes reach, bit for bit.
 
-    Each pass of the others reads texels within a CoC, and those beside them. Of layered, a pixel changes
-    its tile; the largest CoC is spread over R = ceil(largest / 16) + 2 tiles, and with it the mean CoC of a layer over
-    R more. A tile is read through the linear filter, one tile farther, three times: for the split, for the kernels, for
-    the last passes. Then a CoC, once more, and the texels of half and quarter size around that.
+    In other methods each pass reads texels within a CoC and the texels next to them. In layered, a pixel changes its
+    tile; the largest CoC spreads over R = ceil(largest / 16) + 2 tiles, and the mean CoC of a layer over R more. A
+    tile is read through the linear filter, which adds a tile, three times: for the split, for the layer CoC, for the
+    last passes. Then a CoC is added once more, with the texels of half and quarter size around it.
     """
     random, largest = np.random.default_rng(4), 8
     color = random.lognormal(0.0, 0.7, (16, 256, 4)).astype(np.float16)
@@ -117,7 +119,9 @@ def test_damage_is_confined(method, driver):
 
 
 def littered(size: tuple[int, int], settings: Settings, share: float = 0.3) -> Case:
-    """Random colour and depth, that share of all numbers bad, alpha too. `size` is (width, height)."""
+    """Return random colour and depth with a fraction `share` of bad numbers, also in alpha. `size` is
+    (width, height).
+    """
     random = np.random.default_rng(11)
     width, height = size
     color = random.lognormal(0.0, 1.0, (height, width, 4)).astype(np.float16)
@@ -127,9 +131,9 @@ def littered(size: tuple[int, int], settings: Settings, share: float = 0.3) -> C
 
 @spread("method", METHODS)
 def test_in_focus_nothing_changes(method, driver):
-    """CoC 0 everywhere: the safe colours come out as they are, to the bit.
+    """Check that with a CoC of 0 everywhere the safe colours come out bit-identical.
 
-    64 and 32 are powers of two, so that uv is exact in float32 and the linear filter at a texel's centre is a copy.
+    64 and 32 are powers of two, so that uv is exact in float32, and the linear filter at a texel's centre is a copy.
     """
     case = littered((64, 32), replace(METHODS[method], camera=replace(CAMERA, max_coc=0.0)))
     found = everything(driver, case)
@@ -137,9 +141,9 @@ def test_in_focus_nothing_changes(method, driver):
     np.testing.assert_array_equal(found["result"][..., 3], 0.0)
 
 
-# More than 254 iterations of a loop are too many for shader model 3; render.py allows 1024, and kernels of 8192 offsets
+# Shader model 3 limits a loop to 254 iterations; render.py allows 1024, and kernels of 8192 offsets
 MOST_SAMPLES = {"d3d9": 254}
-# Samples on a side: 90 x 90 = 8100 offsets in the kernel; 24 is the largest grid of the paper's Table 1
+# Samples along a side: 90 x 90 = 8100 offsets in the kernel; 24 is the largest grid of the paper's Table 1
 MOST_SIDE = {"naive": 90, "naive grid": 24}
 
 
@@ -151,20 +155,22 @@ MOST_SIDE = {"naive": 90, "naive grid": 24}
     "driver", [*LANGUAGES, *(pytest.param(name, marks=nightly) for name in MOST_SAMPLES)], indirect=True
 )
 def test_sample_counts(method, count, driver):
-    """Two samples on a line, and as many as can be: 254 in shader model 3, 1024 elsewhere."""
+    """Check two samples on a line, and the maximum: 254 in shader model 3, 1024 elsewhere."""
     samples = 2 if count == "fewest" else MOST_SIDE.get(method, MOST_SAMPLES.get(driver.name, 1024))
     settings = replace(METHODS[method], aperture="square", samples=samples)
     if settings.spacing:
-        # a hundredth of a pixel: the blur asks for more samples than there may be
+        # a hundredth of a pixel, so that the blur needs more samples than the maximum
         settings = replace(settings, spacing=0.01)
     assert_right(driver, littered((9, 7), settings, 0.1))
 
 
 @pytest.mark.parametrize("aperture", ["octagon", "decagon"])
 def test_clipped_highlights_do_not_overflow(aperture, driver):
-    """Targets one by one from the two largest half floats, 65504 and 65472: a sum of three is not above the largest.
+    """Check that colours of 65504 and 65472, the two largest half floats, do not overflow when targets are drawn one
+    by one.
 
-    Where one target was rounded down and the next one up, by 16 each, the sum is above 65520 and would be infinite.
+    If one target is rounded down and the next one up, by 16 each, a sum of three exceeds 65520 and would become
+    infinite.
     """
     random = np.random.default_rng(2)
     color = random.choice(np.array([65504.0, 65472.0]), (16, 16, 4)).astype(np.float16)
@@ -184,7 +190,8 @@ COUNTED = ("paper pentagon", "exact hexagon", "layered hexagon")
 ALL = ("paper hexagon", "exact hexagon", "exact decagon, one target", "naive", "layered hexagon", "layered, one target")
 CHARACTER = ("exact octagon, cut",)
 READERS = cases.tagged(cases.COVERAGE, CAMERA)
-# Parameter -> methods that read it in different places, and what it may be by mistake or before a frame has set it
+# Parameter -> methods that read it in different places, and values that it may have by mistake or before a frame sets
+# it
 MISTAKES = {
     "BokehApertureDiameter": (CAMERA_ONLY, (-1.0, 1e30)),
     "BokehFocalLength": (CAMERA_ONLY, (-0.05, 0.0, 1e30)),
@@ -218,7 +225,7 @@ MISTAKES = {
 
 @spread("name", MISTAKES)
 def test_parameters_out_of_range(name, driver):
-    """What comes out is not a blur that anybody wants, but finite and not negative, also from bad pixels."""
+    """Check that the result is finite and not negative, also with bad pixels; it need not be a useful blur."""
     readers, values = MISTAKES[name]
     for method in readers:
         case = littered((24, 16), READERS[method], 0.1)
@@ -229,7 +236,7 @@ def test_parameters_out_of_range(name, driver):
                 raise AssertionError(f"{method}, {name} {value:g}: {error}") from error
 
 
-# method, a parameter out of range, what docs/inputs.md says it counts as
+# method, a parameter out of range, and the value that docs/inputs.md says it is treated as
 EQUIVALENTS = [
     ("exact hexagon", "BokehImageHeight", -64.0, 0.0),
     ("paper hexagon", "BokehBleedingMult", -30.0, 0.0),
@@ -246,7 +253,7 @@ EQUIVALENTS = [
 @in_each_language
 @pytest.mark.parametrize(("method", "name", "wrong", "right"), EQUIVALENTS)
 def test_parameters_count_as_documented(method, name, wrong, right, driver):
-    """To the bit."""
+    """Check that both values give bit-identical results."""
     case = littered((24, 16), METHODS[method], 0.1)
     found, wanted = (everything(driver, case, **{name: value})["result"] for value in (wrong, right))
     assert not differing(found, wanted).any()
@@ -254,7 +261,10 @@ def test_parameters_count_as_documented(method, name, wrong, right, driver):
 
 @in_each_language
 def test_a_spacing_that_is_none_is_the_presets(driver):
-    """0 and less are the preset's 1.5 pixels, to the bit, on lines of up to 32 pixels, where another spacing shows."""
+    """Check that a spacing of 0 or less is bit-identical to the preset's 1.5 pixels.
+
+    Lines are up to 32 pixels long, so that another spacing shows.
+    """
     settings = replace(METHODS["exact, preset"], camera=replace(CAMERA, aperture_diameter=0.4, max_coc=0.5))
     case = littered(SIZE, settings, 0.1)
     found = {value: everything(driver, case, BokehSpacing=value)["result"] for value in (0.0, -1.0, 1.5, 3.0)}
@@ -262,8 +272,8 @@ def test_a_spacing_that_is_none_is_the_presets(driver):
     assert differing(found[3.0], found[1.5]).mean() > 0.1
 
 
-# docs/inputs.md, Bad input: what goes in -> what the tests above take it as. Each number of a row is asserted there: of
-# COLOR and DEPTH by test_bad_pixels_count_as_documented, of parameters by EQUIVALENTS.
+# Rows of docs/inputs.md, Bad input: what goes in -> what it is treated as. The numbers are tested above: those of
+# COLOR and DEPTH by test_bad_pixels_count_as_documented, those of parameters by EQUIVALENTS.
 PAGE_ROWS = {
     "colour NaN, negative; +infinite": "{color_nan:g}; {color_infinite:g}",
     "depth NaN, 0, negative; above {most_depth:.0f} m, infinite": "{depth_nan:f} m; {depth_infinite:.0f} m",
@@ -276,10 +286,10 @@ PAGE_ROWS = {
 
 
 def test_page_has_what_is_tested():
-    """The table of docs/inputs.md, with the numbers that COLOR, DEPTH and EQUIVALENTS hold the shaders to."""
+    """Compare the table of docs/inputs.md with the numbers that COLOR, DEPTH and EQUIVALENTS test."""
 
     def counted(pairs, wanted: float) -> float:
-        """What a bad number counts as; `wanted` may be NaN."""
+        """Return what a bad number is treated as; `wanted` may be NaN."""
         (found,) = {right for wrong, right in pairs if wrong == wanted or np.isnan(wrong) and np.isnan(wanted)}
         return found
 
@@ -298,5 +308,5 @@ def test_page_has_what_is_tested():
     rows = [line.strip("|").split("|") for line in page.splitlines() if line.startswith("|")][2:]
     wanted = {left.format_map(numbers): right.format_map(numbers) for left, right in PAGE_ROWS.items()}
     assert {left: right for left, right in rows if left in wanted} == wanted
-    # rows of parameters that EQUIVALENTS has, or that have no number: a new one belongs into PAGE_ROWS
+    # other rows are of parameters in EQUIVALENTS or have no number; a new row belongs in PAGE_ROWS
     assert len(rows) == len(wanted) + 5

@@ -1,7 +1,8 @@
-"""What must not change the blur: resolution, aspect ratio, preset, rotation, mirror, exposure, place.
+"""Test what must not change the blur: resolution, aspect ratio, preset, rotation, mirroring, exposure, position.
 
-The size of a highlight's bokeh is its second moments (tests/moments.py), on float32 targets, on black: what a half
-float cuts off of a faint edge would be size. layered: test_layers.py. Small steps: test_continuity.py.
+The size of a highlight's bokeh is measured by second moments (tests/moments.py), on float32 targets and on black,
+since half floats would truncate a faint edge and so change the size. test_layers.py tests layered, test_continuity.py
+small steps.
 """
 
 from dataclasses import replace
@@ -25,17 +26,17 @@ from bokeh_validation.probes.model import Case, depth_of, flat
 PEAK = 4096.0
 COC = 0.26  # of the height; the widest bokeh fits into the narrowest image
 
-# three aspect ratios at about one size, and one at 1x, 1.5x and 2x
+# three aspect ratios at about one size, and one ratio at 1x, 1.5x and 2x
 SIZES = ((80, 160), (96, 96), (154, 66), (64, 48), (96, 72), (128, 96))
 COUNTS = (7, 13, 33, 65)
 
 
 def blur(method: str, aperture: str, **changes) -> Settings:
-    """Settings with the constant CoC."""
+    """Return settings with the constant CoC."""
     return replace(Settings(method, aperture, camera=methods.Camera(max_coc=1.0), coc=COC, spacing=0.0), **changes)
 
 
-# each way of taking samples, linear in the light
+# every way of taking samples that is linear in the light
 LINEAR = (
     blur("paper", "square"),
     blur("paper", "diamond", spacing=1.0, rotation=20.0),
@@ -47,13 +48,13 @@ LINEAR = (
 
 
 def named(settings: Settings) -> str:
-    """What to call settings in a message or a test's name."""
+    """Return a name of settings for messages and tests."""
     count = f"spacing {settings.spacing:g}" if settings.spacing else f"{settings.count} samples"
     return f"{settings.method} {settings.aperture} {count}"
 
 
 def highlight(settings: Settings, size: tuple[int, int], pixels: int = 1) -> tuple[Case, tuple[float, float]]:
-    """A bright square of so many pixels in the middle of black, and where its centre is."""
+    """Return a bright square of `pixels` x `pixels` in the middle of black, and the position of its centre."""
     color = flat(size)
     left, top = (size[0] - pixels) // 2, (size[1] - pixels) // 2
     color[top : top + pixels, left : left + pixels, :3] = PEAK / pixels**2
@@ -61,10 +62,10 @@ def highlight(settings: Settings, size: tuple[int, int], pixels: int = 1) -> tup
 
 
 def check_spread(driver: Driver, settings: Settings, size: tuple[int, int]) -> moments.Spread:
-    """Mean, second moments and reach against the closed form, within moments.tolerance.
+    """Compare mean, second moments and reach with the closed form, within moments.tolerance().
 
-    Reach: a sample's light falls on the pixels on both sides of it, so a pass reaches less than a pixel beyond its
-    farthest sample, and not less far than that sample less one pixel.
+    Reach: a sample's light falls on the pixels on both sides of it, so a pass reaches less than one pixel beyond its
+    farthest sample, and at least to one pixel before it.
     """
     case, center = highlight(settings, size)
     found, wanted = moments.measured(float_result(driver, case)[..., 1], center), moments.predicted(settings, size)
@@ -75,7 +76,7 @@ def check_spread(driver: Driver, settings: Settings, size: tuple[int, int]) -> m
     allowed = moments.tolerance(settings, size, driver.precision)
     off = np.abs(found.second - wanted.second).max()
     assert off <= allowed, (named(settings), size, off, allowed)
-    # the mean moves by what all samples' places are off, and by the blend's error times their distance at most
+    # the mean moves by at most the error of the samples' positions, and the blend's error times their distance
     assert np.abs(found.mean - wanted.mean).max() <= allowed, (named(settings), size)
     return found
 
@@ -83,9 +84,9 @@ def check_spread(driver: Driver, settings: Settings, size: tuple[int, int]) -> m
 @pytest.mark.parametrize("size", SIZES, ids=str)
 @in_each_language
 def test_resolution_and_aspect_ratio(size, driver):
-    """A fraction of the height, and no stretched highlight, 1:2 to 21:9.
+    """Check that the CoC is a fraction of the height, and that highlights are not stretched, from 1:2 to 21:9.
 
-    Size and shape in pixels are the closed form's at that CoC in pixels, which knows no aspect.
+    Size and shape in pixels must match the closed form at that CoC in pixels, which knows no aspect ratio.
     """
     for settings in LINEAR:
         check_spread(driver, settings, size)
@@ -94,11 +95,12 @@ def test_resolution_and_aspect_ratio(size, driver):
 @pytest.mark.parametrize("size", [SIZES[0], SIZES[2]], ids=str)
 @in_each_language
 def test_presets_never_change_the_size(size, driver):
-    """Spacing 1, 2 and 4, fixed counts, caps: within spacing and pixel grid of the true polygon, in every language.
+    """Check that spacing 1, 2 and 4, fixed counts and limits give the true polygon's size, within spacing and pixel
+    grid.
 
-    The aperture's own second moments on the two axes are R^2 (2 + cos(2 pi / n)) / 12. Each of the two passes takes
-    l^2 / 12 at most along its line, l the length of a cell, and adds 1 / 4 square pixel at most on each axis
-    (moments.py). The lines of the paper have a sample at both ends: for each count the size that the closed form says.
+    The aperture's second moments on the two axes are R^2 (2 + cos(2 pi / n)) / 12. Each of the two passes removes at
+    most l^2 / 12 along its line, where l is the length of a cell, and adds at most 1 / 4 square pixel on each axis
+    (moments.py). The paper's lines have a sample at both ends: each count must give the size of its closed form.
     """
     edge = 0.5 * COC * size[1]
     presets = [{"spacing": spacing} for spacing in (1.0, 2.0, 4.0)] + [{"samples": samples} for samples in COUNTS]
@@ -116,10 +118,12 @@ def test_presets_never_change_the_size(size, driver):
 
 @pytest.mark.parametrize("driver", LANGUAGES[:2], indirect=True)
 def test_jitter_never_changes_the_size(driver):
-    """Jitter moves samples within their cells: no light beyond the line's ends, and no other size on the mean.
+    """Check that random offsets keep samples within their cells: no light beyond the line's ends, and no change of the
+    mean size.
 
-    Cells of l pixels, a sample anywhere in each: the line's own 1/12 instead of less l^2 / 12. The amount is limited to
-    (l - 1) pixels. A frame's moments are noise; their mean is asked to be within 4 standard errors of that.
+    With a sample anywhere in each cell of l pixels, the variance is the line's own 1/12, which is l^2 / 12 more than
+    with samples in the middle. The offset is limited to (l - 1) pixels. A frame's moments are random; their mean must
+    be within 4 standard errors of that.
     """
     size, frames = (96, 96), 24
     settings = blur("paper", "square", spacing=1.0, samples=7, jitter=1.0)
@@ -128,7 +132,7 @@ def test_jitter_never_changes_the_size(driver):
     for frame in range(frames):
         case, center = highlight(replace(settings, frame=frame), size, 5)
         found = moments.measured(float_result(driver, case)[..., 1], center)
-        # half of the highlight, half of the line, and the pixel that each of two passes reaches beyond a sample
+        # half of the highlight, half of the line, and one pixel per pass beyond a sample
         assert (found.reach <= 2.5 + pixels / 2 + 2).all(), (frame, found.reach)
         sums.append(np.diag(found.second))
     wanted = pixels**2 / 12 + (5**2 - 1) / 12
@@ -137,10 +141,11 @@ def test_jitter_never_changes_the_size(driver):
 
 
 def check_same(driver: Driver, case: Case, change, settings: Settings, border: int = 0) -> metrics.Comparison:
-    """change(blur(image)) is blur'(change(image)) on half floats: within both intervals, which both may use up.
+    """Check that change(blur(image)) equals blur'(change(image)) on half floats, within the sum of both intervals.
 
-    change  a function of arrays, of colour and of depth
-    border  pixels at the image's edges that are left out
+    change    a function of arrays, applied to colour and depth
+    settings  of blur'
+    border    pixels at the image's edges that are ignored
     """
     changed = Case("", settings, *(np.ascontiguousarray(change(image)) for image in (case.color, case.depth)))
     found, plain = result(driver, changed), result(driver, case).astype(np.float64)
@@ -156,7 +161,7 @@ VARYING = (
     Settings("paper", "hexagon", camera=CAMERA, spacing=0.0),
     Settings("paper", "octagon", camera=CAMERA, spacing=1.0),
     Settings("exact", "hexagon", camera=CAMERA, spacing=0.0),
-    # at its preset
+    # with its preset's samples
     Settings("exact", "octagon", camera=CAMERA),
     Settings("exact", "decagon", camera=CAMERA, spacing=1.0),
     Settings("naive", "hexagon", 7, camera=CAMERA, spacing=0.0),
@@ -170,9 +175,11 @@ MIRRORED = [
 @pytest.mark.parametrize("settings", VARYING, ids=named)
 @in_each_language
 def test_quarter_turn(settings, driver):
-    """Image and aperture turned by 90 degrees: the turned picture, with the CoC from depth. Nothing prefers an axis."""
+    """Check that image and aperture rotated by 90 degrees give the rotated image, with the CoC from depth: no axis is
+    preferred.
+    """
     case = noise_case((60, 60), settings)
-    # what pointed to the right (+u) points up (-v)
+    # what pointed to the right (+u) then points up (-v)
     turned = replace(settings, rotation=settings.rotation - 90.0)
     comparison = check_same(driver, case, np.rot90, turned)
     if driver.software:
@@ -182,14 +189,14 @@ def test_quarter_turn(settings, driver):
 @pytest.mark.parametrize("settings", MIRRORED, ids=named)
 @in_each_language
 def test_mirror(settings, driver):
-    """Left and right swapped, the rotation negated: the mirrored picture. Fixed counts and tables.
+    """Check that swapping left and right and negating the rotation gives the mirrored image. Fixed counts and tables.
 
-    At one CoC for the whole image, but within a CoC of the image's edges: the mirrored lines come in another order, and
-    passes commute only where none is clamped. With the CoC from depth it holds for the paper's hexagon and for tables,
-    whose lines mirror into each other in order.
+    The CoC is constant, and pixels within a CoC of the image's edges are ignored: mirrored lines come in another
+    order, and passes only commute where none is clamped. With the CoC from depth it holds for the paper's hexagon and
+    for tables, whose lines mirror into each other in order.
 
-    The exact hexagon is not here: its two passes share out a sample's offset otherwise when it is mirrored, so that the
-    linear filter softens other samples. Its size is the polygon's at each rotation: test_resolution_and_aspect_ratio.
+    The exact hexagon is left out: when mirrored, its two passes split a sample's offset differently, so that the
+    linear filter softens other samples. test_resolution_and_aspect_ratio checks its size at each rotation.
     """
     case, turned = noise_case((84, 60), settings), replace(settings, rotation=-settings.rotation)
     constant = replace(case, settings=replace(settings, coc=0.2))
@@ -202,13 +209,14 @@ def test_mirror(settings, driver):
 @pytest.mark.parametrize("settings", VARYING, ids=named)
 @in_each_language
 def test_exposure(settings, driver):
-    """Colour times 2^k: the same bits with another exponent. Colour times 1.5: each store rounds once more.
+    """Check exposure: colour times 2^k is bit-identical up to the exponent; colour times 1.5 is rounded once more per
+    store.
 
-    Every operation on colour is a sum, a product with a number that does not depend on it, a quotient, min or max. A
-    power of two commutes with rounding. The image is kept where no half float is denormal or too large.
+    Every operation on colour is a sum, a product with a number that does not depend on colour, a quotient, min or max.
+    A power of two commutes with rounding. Colours are chosen so that no half float is denormal or too large.
     """
     case = noise_case((60, 48), settings)
-    # 8 bits, so that a factor of 2 bits is exact
+    # 8 bits, so that a factor with two bits is exact
     few_bits = np.round(np.clip(case.color.astype(np.float64), 0.25, 32.0) * 8.0) / 8.0
     passes, pictures = len(case.plan.passes), {}
     # a store: half a step of 2^-10 up or down, or a whole one down; the sums: N + 8 roundings
@@ -224,9 +232,10 @@ def test_exposure(settings, driver):
 @pytest.mark.parametrize("settings", [*LINEAR, blur("paper", "hexagon")], ids=named)
 @in_each_language
 def test_translation(settings, driver):
-    """A highlight moved by whole pixels: its bokeh moved by as many, within the rounding of uv. Not bit for bit.
+    """Check that a highlight moved by whole pixels has its bokeh moved by as many, within the rounding of uv.
 
-    uv is a float32: a place is known to 8 2^-24 of the width, elsewhere another 8 2^-24 (reference/precision.py).
+    It is not bit-identical, since uv is a float32: a position is known to 8 2^-24 of the width, and to another 8 2^-24
+    elsewhere (numerics/precision.py).
     """
     settings = replace(settings, coc=0.3)
     case, _ = highlight(settings, (96, 60), 3)

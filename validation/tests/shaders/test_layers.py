@@ -1,6 +1,6 @@
-"""The layered method: presets, what its probes notice, what must not change its picture.
+"""Test layered: presets, what its probes notice, what must not change its image.
 
-On noise, pass by pass: test_within.py. What its pictures must show: the probes, which test_probes.py runs.
+test_within.py tests it on noise, pass by pass; test_probes.py runs the probes of what its images must show.
 """
 
 from dataclasses import replace
@@ -26,12 +26,12 @@ MOVES = np.arange(17) / 8
 
 
 def plane(case: Case, coc: float) -> Case:
-    """The same with one CoC everywhere, pixels."""
+    """Return the case with one CoC everywhere, in pixels."""
     return replace(case, depth=depth_of(case.size, near_edges.metres(coc, case.size[1])))
 
 
 def layered(driver: Driver, case: Case) -> np.ndarray:
-    """Its picture, (H, W, 3) float64."""
+    """Draw a case; returns (H, W, 3) float64."""
     return result(driver, case)[..., :3].astype(np.float64)
 
 
@@ -41,11 +41,13 @@ def layered(driver: Driver, case: Case) -> np.ndarray:
     indirect=["driver"],
 )
 def test_every_preset(preset, driver):
-    """A picture in focus, or with a CoC of up to a pixel, which spreads nothing, is copied to the bit; one colour stays
-    as it is; and 0.99 to 1.01 of an isolated light of one pixel, the hardest, is kept. See the probes.
+    """Check every preset: an image in focus or with a CoC of up to a pixel is copied bit for bit, and one colour stays
+    unchanged.
+
+    An isolated light of one pixel, the hardest case, keeps 0.99 to 1.01 of its light. See the probes.
     """
     settings = near_edges.settings(preset=preset)
-    # powers of two, so that a fetch in the middle of a texel is a copy
+    # powers of two, so that a fetch at a texel's centre is a copy
     case = noise_case((64, 32), settings)
     case.color[4::9, 5::11, :3] = lights.LIGHT
     for coc in (0.0, 0.9, -0.9):
@@ -54,11 +56,11 @@ def test_every_preset(preset, driver):
     case = noise_case((61, 43), settings)
     case.color[..., :3] = 0.7, 0.3, 40.0
     noise = np.random.default_rng(5).uniform(0.8, 30.0, case.depth.shape).astype(np.float32)
-    # gathered, going into the near and into the far layer, in a layer
+    # gathered, entering the near and the far layer, in a layer
     planes = [plane(case, coc) for coc in (-24.0, -9.0, -4.0, 4.0, 13.0, 24.0)]
     for each in (case, replace(case, depth=noise), *planes):
         off = layered(driver, each) / case.color[..., :3].astype(np.float64) - 1.0
-        # a mean of one colour: a layer and its share are cut off three times each, the picture once
+        # a mean of one colour: a layer and its weight are truncated three times each, the image once
         assert np.abs(off).max() <= 4 * near_edges.STEP, each.depth[0]
     for coc in lights.LIGHT_COCS:
         case = lights.light_case(coc, 1, preset)
@@ -71,12 +73,14 @@ def test_every_preset(preset, driver):
 @pytest.mark.parametrize("size", ((80, 160), (96, 96), (160, 90), (154, 66)), ids=str)
 @in_each_language
 def test_layered_aspect_and_presets(size, preset, driver):
-    """A far light, at each aspect ratio and preset: the polygon's second moments, but for what half size adds.
+    """Check a far light at each aspect ratio and preset: the polygon's second moments, apart from what half resolution
+    adds.
 
-    Square pixels on each axis. Off by: 2 x 2 pixels in a texel, 1/4; each of two passes adds up to 1/4 square texel of
-    four square pixels, as does a linear enlargement: 3 in all. For all that CoC^2 is made smaller by 32 square pixels,
-    R^2 = CoC^2 / 4 by 8, of which the polygon has (2 + cos(2 pi / n)) / 12. Samples in the middle of cells of l pixels
-    leave out l^2 / 12 on each pass; an edge of 12 pixels, 6 texels, has as many cells: l is 2.
+    In square pixels on each axis, the moments may be larger because a texel is 2 x 2 pixels, 1/4, and because each of
+    two passes adds up to 1/4 square texel of four square pixels, as does a linear enlargement: 3 in all. To
+    compensate, CoC^2 is reduced by 32 square pixels, so R^2 = CoC^2 / 4 by 8, of which the polygon has (2 + cos(2 pi /
+    n)) / 12. Samples in the middle of cells of l pixels leave out l^2 / 12 per pass; an edge of 12 pixels, 6 texels,
+    has as many cells: l is 2.
     """
     color = flat(size)
     middle = [length // 2 for length in size]
@@ -86,7 +90,7 @@ def test_layered_aspect_and_presets(size, preset, driver):
     share = (2.0 + np.cos(2.0 * np.pi / 6)) / 12.0
     off = np.diag(found.second) - (9 - 1) / 12 - share * BLUR**2 / 4
     assert (off >= -8 * share - 2 * 2**2 / 12).all() and (off <= 3.25 - 8 * share).all(), off
-    # the shape is known to half a pixel on each axis, the mean to less
+    # the shape is known to half a pixel on each axis, the mean more exactly
     assert np.abs(found.mean).max() <= 0.5
 
 
@@ -94,11 +98,11 @@ def test_layered_aspect_and_presets(size, preset, driver):
 @pytest.mark.parametrize("case", [lights.light_case(-BLUR, 3), lights.silhouette_case()], ids=lambda c: c.label)
 @in_each_language
 def test_layered_exposure(case, factor, driver):
-    """Colour times any factor: the picture times that, where no half float is denormal or too large.
+    """Check that colour times any factor gives the image times that factor, if no half float is denormal or too large.
 
-    Brightness is compared with a level that grows with it. A layer's CoC is a quotient of sums that are stored three
-    times: half floats cut off up to 6 steps of it, half of that moves an edge. Beside the weights, a channel is stored
-    four times.
+    Brightness is compared with a level that scales with it. A layer's CoC is a quotient of sums that are stored three
+    times: truncating half floats lose up to 6 steps of it, half of which moves an edge. Apart from the weights, a
+    channel is stored four times.
     """
     plain = layered(driver, case)
     color = (case.color.astype(np.float64) * [factor, factor, factor, 1.0]).astype(np.float16)
@@ -110,9 +114,10 @@ def test_layered_exposure(case, factor, driver):
 
 @in_each_language
 def test_layered_quarter_turn(driver):
-    """Image and aperture turned by 90 degrees: the turned picture, where the sizes are multiples of 8.
+    """Check that image and aperture rotated by 90 degrees give the rotated image, if sizes are multiples of 8.
 
-    Tiles are taken along rows first, so sums are rounded in another order: as close as two drivers are.
+    Tiles are processed along rows first, so sums are rounded in another order: the images are as close as two
+    drivers'.
     """
     case = noise_case((64, 64), methods.Settings("layered", "hexagon", 7, camera=CAMERA))
     turned = replace(case.settings, rotation=-90.0)
@@ -123,7 +128,9 @@ def test_layered_quarter_turn(driver):
 
 
 def drawn_by_area(cover: np.ndarray) -> Case:
-    """A near thing over the checker, its pixels drawn by area, and depth by their middles, as a renderer does."""
+    """Return a near object over the checker, its pixels drawn by area and its depth at pixel centres, as
+    renderers do.
+    """
     case = near_edges.near_case("", BLUR, cover >= 0.5, LAYERED)
     case.color[..., 0] = cover
     case.color[..., 1] = (1.0 - cover) * near_edges.checker(case.size)
@@ -132,11 +139,12 @@ def drawn_by_area(cover: np.ndarray) -> Case:
 
 @in_each_language
 def test_layered_moving_edge(driver):
-    """A near edge moved by 1/8 pixel a frame: its alpha follows the lens's, and no frame is off from it by more.
+    """Check a near edge that moves by 1/8 pixel per frame: its alpha follows the lens's, with bounded error in every
+    frame.
 
-    The layer's edge is where depth has it, half a pixel from the true one at most, and known to half a pixel: a pixel
-    of the spread. Beside that, a pixel that is covered by less than a half keeps the colour of the edge in focus: where
-    alpha is a half, half of a half. From frame to frame that comes and goes.
+    The layer's edge is where depth has it, at most half a pixel from the true one, and known to half a pixel: together
+    a pixel of the spread. In addition, a pixel covered by less than half keeps the colour of the edge in focus: where
+    alpha is a half, that is half of a half. It may appear and disappear from frame to frame.
     """
     polygon, (width, height) = highlight.polygon_of("hexagon", 0.0, BLUR), near_edges.SIZE
     x, off = np.arange(width), []
@@ -151,11 +159,11 @@ def test_layered_moving_edge(driver):
 @pytest.mark.parametrize("near", [True, False], ids=["near light", "far light beside an edge"])
 @in_each_language
 def test_layered_moving_light(near, driver):
-    """A disc of 3 pixels drawn by area, moved by 1/8 pixel a frame: how far its own light flickers.
+    """Check how much the light of a disc of 3 pixels flickers, drawn by area and moved by 1/8 pixel per frame.
 
-    Near, it is kept as an isolated one is, 0.99 to 1.01, so a frame differs by no more than 0.02. Far, the silhouette
-    hides a part: what is seen is what the polygon has there, times up to 2 (see the probe), and by 1/8 pixel that
-    changes by the width of the polygon over its area, once more times 2, beside the 0.02.
+    A near one keeps 0.99 to 1.01 of its light like an isolated light, so frames differ by at most 0.02. Of a far one
+    the silhouette hides a part: what shows is the polygon's part there, times up to 2 (see the probe). In 1/8 pixel
+    that changes by the width of the polygon over its area, again times 2, in addition to the 0.02.
     """
     kept, (width, height) = [], near_edges.SIZE
     for place in MOVES:
@@ -171,18 +179,18 @@ def test_layered_moving_light(near, driver):
 
 
 def ending(item: Pass, last: str, first: str = "", **changes) -> Pass:
-    """A pass with a statement after its own, and lines before it."""
+    """Return a pass with the statement `last` after its own code, and the lines `first` before it."""
     version, text = shaders.glsl(item.entry, "330", item.constants).split("\n", 1)
     main = f"#undef main\nvoid main()\n{{\n    entry();\n    {last}\n}}\n"
     return replace(item, sources={"glsl": f"{version}\n{first}\n#define main entry\n{text}\n{main}"}, **changes)
 
 
-# What docs/methods/layered.md says of the targets that need two channels
+# Targets that need only two channels, by docs/methods/layered.md
 TWO_CHANNELS = {"gather coc", "tile gather coc", "row gather coc", "layer coc"}
 
 
 def test_two_channels_are_enough():
-    """The targets that docs/methods/layered.md names may be RG16F: the same picture."""
+    """Check that the targets that docs/methods/layered.md names may be RG16F without changing the image."""
     settings = methods.Settings("layered", "hexagon", 7, camera=CAMERA, use_mrt=False)
     driver, case = load("osmesa"), noise_case((101, 77), settings)
     passes, last = case.plan.passes, "BokehResult = vec4(BokehResult.rg, 0.0, 1.0);"
@@ -192,9 +200,9 @@ def test_two_channels_are_enough():
     np.testing.assert_array_equal(found, whole)
 
 
-# What it costs: fetches of colour for a pixel where passes have most to do, of the CoC map those of four neighbours too
+# Maximum fetches of colour per pixel where passes do most, including the four neighbours in the CoC map
 MOST_FETCHES = {"low": 52, "medium": 72}
-# and where all is in focus, of the paper's 3 x 13 fetches of colour and as many of depth
+# and where everything is in focus: a fraction of the paper's 3 x 13 fetches of colour and as many of depth
 IN_FOCUS = 1 + 0.35 * 2 * 39
 COUNTER = """float fetched = 0.0;
 #define textureLod(tex, uv, level) (fetched += 1.0, textureLod(tex, uv, level))
@@ -202,7 +210,9 @@ COUNTER = """float fetched = 0.0;
 
 
 def counted(settings: methods.Settings, depth: np.ndarray) -> tuple[float, float]:
-    """Fetches of a pixel of the full size in all passes, counted on the device: on the mean; each pass at its most."""
+    """Count the fetches per full-size pixel of all passes on the device; returns the mean, and the sum of each pass's
+    maximum.
+    """
     size = depth.shape[::-1]
     passes, scales = [], {}
     for number, item in enumerate(methods.plan(settings, size).passes):
@@ -214,21 +224,22 @@ def counted(settings: methods.Settings, depth: np.ndarray) -> tuple[float, float
             passes.append(ending(item, "BokehResult = vec4(fetched);", COUNTER, output=outputs))
     output = load("osmesa").run(passes, {"color": flat(size, 1.0), "depth": depth}, size, keep=list(scales))
     counts = [output[name][..., 0].astype(float) / scale**2 for name, scale in scales.items()]
-    # the CoC map besides: the pixel and its four neighbours
+    # plus the CoC map: the pixel and its four neighbours
     return 5 + sum(map(np.mean, counts)), 5 + sum(map(np.max, counts))
 
 
-# wide enough for the levels with 16 samples on an edge
+# wide enough for the quarter layer with 16 samples on an edge
 COC = 128
 SIZE = (256, 2 * COC)
 
 
 @pytest.mark.parametrize("preset", methods.PRESETS)
 def test_fetches(preset):
-    """What the plan says, to the fetch, of a pixel for which every pass takes all that it can; and few in focus.
+    """Check that a pixel for which every pass does all it can has exactly the planned fetches, and that few are made
+    in focus.
 
-    Patches of 2 pixels of the largest CoC near and far, a third of them and none: layers and gather have most to do
-    everywhere.
+    Patches of 2 pixels have the largest CoC near and far, a third of it, and none, so that layers and gather have most
+    to do everywhere.
     """
     depths = [near_edges.metres(coc, SIZE[1]) for coc in (-COC, -COC / 3, 0.0, COC / 3, COC)]
     coarse = np.random.default_rng(4).choice(np.float32(depths), (SIZE[1] // 2, SIZE[0] // 2))

@@ -1,4 +1,4 @@
-"""The parity check passes on the checkout, and no change to one language gets past it."""
+"""Test the parity check: it passes on the checkout, and notices every change to one language."""
 
 import re
 
@@ -7,7 +7,7 @@ import pytest
 from bokeh_validation import paths, shaders
 from bokeh_validation.shaders import parity, passes
 
-# the passes from their entries on, and the whole of them
+# the passes from their entries on, and the whole file
 FILES = {**parity.FILES, "passes": parity.PASSES, "bindings": parity.PASSES}
 # where the common text begins
 COMMON = re.compile(r"^// \[(?:3|6|11|15)\] |^// (?:pixel|fragment) shaders\n", re.MULTILINE)
@@ -15,9 +15,10 @@ TEXTS = {key: (paths.shaders() / key).read_text(encoding="ascii") for keys in FI
 
 
 def mutated(file: str, language: str, change: str | tuple[str, ...]) -> dict[str, str]:
-    """A file with the first place changed that reads as `change` does, '...[[old=>new]]...'.
+    """Return a file with its first match of `change`, '...[[old=>new]]...', replaced.
 
-    It is in GLSL's words; a tuple has one for HLSL and GLSL and one for WGSL, or one for each, in its own words.
+    The change is in GLSL's words; a tuple has one for HLSL and GLSL and one for WGSL, or one per language, in that
+    language's own words.
     """
     own = not isinstance(change, str)
     change = {"hlsl": change[0], "glsl": change[-2], "wgsl": change[-1]}[language] if own else change
@@ -30,7 +31,7 @@ def mutated(file: str, language: str, change: str | tuple[str, ...]) -> dict[str
 
 
 def spelled(text: str, language: str) -> str:
-    """Types, parameters and members in GLSL as another language has them."""
+    """Translate types, parameters and members from GLSL into another language."""
     if language == "hlsl":
         return re.sub(r"\bvec([234])\b", r"float\1", text)
     if language == "wgsl":
@@ -42,11 +43,12 @@ def spelled(text: str, language: str) -> str:
 
 
 def test_the_checkout_passes():
+    """Check that the checkout has no differences."""
     assert not parity.check(), "\n" + "\n".join(map(str, parity.check()))
 
 
 HELPER = [f"{head}\n{{{{\n    return x;\n}}}}\n\n" for head in ("float {}(float x)", "fn {}(x: f32) -> f32")]
-# What a change is -> the change as mutated() takes it. Beside what dropping a token of the common text shows, below
+# Description -> the change as mutated() takes it, for changes that test_hardly_a_token_can_go_unnoticed does not cover
 LIBRARY = {
     "the spelling of a literal": "([[0.5=>.5]] * cos(halfStep)",
     "a swizzle assigned": "        [[=>sum.rgb += weight; ]]sum = sum / samples;",
@@ -90,7 +92,7 @@ PASSES = {
     ),
     "sampling past BokehFetch": "[[BokehFetchTexel=>texture]](BokehColorSamp, ",
 }
-# Before the entries of the passes
+# In the part before the entries of the passes
 PARAMETERS = [f"BOKEH_PARAMETER(float, BokehAngleB{one})\n" for one in (", 8", "")] + ["    BokehAngleB: f32,\n"]
 BINDINGS = {
     "a row of the table": "over a[[ grid=>]]",
@@ -107,7 +109,9 @@ TABLES = dict(zip(FILES, (LIBRARY, PAPER, LAYERS, {}, {}, PASSES, BINDINGS), str
 
 
 def changes():
-    """File, name, language: what each language has in words of its own in each, the rest in one after the other."""
+    """Yield file, name and language: a change in a language's own words for each language, all others for one language
+    in turn.
+    """
     for file, table in TABLES.items():
         for number, (name, change) in enumerate(table.items()):
             languages = [paths.LANGUAGES[number % 3]] if isinstance(change, str) else paths.LANGUAGES
@@ -116,6 +120,7 @@ def changes():
 
 @pytest.mark.parametrize(("file", "name", "language"), list(changes()))
 def test_a_change_in_one_language_is_found(file, name, language):
+    """Check that a change to one language is reported."""
     found = parity.check(mutated(file, language, TABLES[file][name]))
     assert found and all(difference.where and difference.what for difference in found)
 
@@ -123,7 +128,9 @@ def test_a_change_in_one_language_is_found(file, name, language):
 @pytest.mark.parametrize("language", paths.LANGUAGES)
 @pytest.mark.parametrize("file", [*paths.STEMS[:-1], "passes"])
 def test_hardly_a_token_can_go_unnoticed(file, language):
-    """Each token of a sample dropped, from where the text is common on; a semicolon is missed by every compiler."""
+    """Check that dropping a token of the common text is reported; semicolons are left out, since every compiler misses
+    them.
+    """
     key = FILES[file][language]
     text = TEXTS[key]
     start = COMMON.search(text).end()
@@ -134,6 +141,7 @@ def test_hardly_a_token_can_go_unnoticed(file, language):
 
 @pytest.mark.parametrize("language", paths.LANGUAGES)
 def test_line_breaks_do_not_matter_and_places_of_functions_do(language):
+    """Check that line breaks are ignored, and that a missing or moved function is reported."""
     change = "BokehSanitize([[color.r, 0.0, BOKEH=> color.r , 0.0,\n        BOKEH]]_MAX_COLOR),"
     assert not parity.check(mutated("bokeh", language, change))
     key = FILES["bokeh"][language]
@@ -145,11 +153,11 @@ def test_line_breaks_do_not_matter_and_places_of_functions_do(language):
 
 @pytest.mark.parametrize("language", ["hlsl", "glsl"])
 def test_the_layers_of_the_passes_can_be_left_out(language):
-    """Their helpers are in an #ifdef, which WGSL has not."""
+    """Check that the helpers in an #ifdef, which WGSL does not have, are compared."""
     assert parity.check(mutated("passes", language, "[[#ifdef BOKEH_LAYERS\n=>]]"))
 
 
-# One change to all three languages, where only the rules are left
+# A change to all three languages, which only the rules can notice
 MORE = "float a, float b, float c, float d,\n    float e, float f, float g, "
 ALIKE = {
     "nine parameters": f"BokehSanitize([[=>{MORE}]]float value,",
@@ -161,6 +169,7 @@ ALIKE = {
 
 @pytest.mark.parametrize("name", ALIKE)
 def test_a_rule_broken_in_all_languages_is_found(name):
+    """Check that breaking a rule in all languages is reported."""
     texts = {}
     for language in paths.LANGUAGES:
         texts |= mutated("bokeh", language, ALIKE[name])
@@ -176,6 +185,6 @@ def test_a_rule_broken_in_all_languages_is_found(name):
     ],
 )
 def test_bindings(language, pattern):
-    """Of the textures: those that the drivers give them. HLSL's have registers, which the compilers are told."""
+    """Compare the textures' bindings with those of the drivers. HLSL has registers, which compilers map."""
     found = re.findall(pattern, shaders.file_text(language, "bokeh_passes"))
     assert {slot: int(binding) for binding, slot in found} == passes.BINDINGS

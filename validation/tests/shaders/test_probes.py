@@ -1,4 +1,4 @@
-"""Every probe in one of the languages, in each of them with --all; and that probes notice what they are there for."""
+"""Run every probe in one language, with --all in each, and check that probes notice what they are meant to notice."""
 
 from dataclasses import replace
 
@@ -15,7 +15,9 @@ PROBES = {probe.name: probe for probe in patterns.PROBES}
 
 
 def on_drivers():
-    """Each probe in one of the languages; in the others with --all; on all drivers for validation/run."""
+    """Yield each probe with each driver: one language by default, the others with --all, all drivers for
+    validation/run.
+    """
     for index, name in enumerate(PROBES):
         for driver in patterns.REAL:
             others = nightly if driver in LANGUAGES else pytest.mark.report
@@ -25,7 +27,7 @@ def on_drivers():
 
 @pytest.mark.parametrize(("name", "driver_name"), on_drivers())
 def test_probe(name, driver_name, request, hand_over):
-    """Within the interval of the reference, and showing what it must."""
+    """Check that a probe is within the interval of the reference and shows what it must."""
     outcome = outcomes.of_probe(PROBES[name], driver_name, request.config.getoption("--adapter"))
     hand_over(outcome)
     with needed(f"driver {driver_name}"):
@@ -35,13 +37,13 @@ def test_probe(name, driver_name, request, hand_over):
     assert not list(run.lines(False))
 
 
-# Of one highlight: another aperture, a turn by 5 degrees, and a CoC 10 % off
+# For one highlight: another aperture, a rotation of 5 degrees, and a CoC that is 10 % too large
 OTHERS = {"square": "octagon", "diamond": "square", "hexagon": "octagon", "octagon": "hexagon", "star": "square"}
 WRONG = ({"rotation": 5.0}, {"coc": 1.1 * impulse.COC / impulse.SIZE[1]})
-# Probe -> settings other than its own, each of which it must notice
+# Probe -> changes of its settings, each of which it must notice
 NOTICED = {
     **{impulse.probe(own).name: [{"aperture": other}, *WRONG] for own, other in OTHERS.items()},
-    # a switch that does nothing, and a CoC that does not follow depth
+    # a switch without effect, and a CoC that does not follow depth
     "leakage": [{"leak_fix": False}, {"leak_fix": True}],
     "silhouette": [{"coc": 0.1}],
     "coc-blur": [{"blur_coc": True}, {"blur_coc": False}],
@@ -52,7 +54,7 @@ NOTICED = {
     "lights-apart-exact": [{"camera": replace(near_edges.CAMERA, aperture_diameter=1.1)}, {"aperture": "octagon"}],
     "silhouette-light": [{"coc": 0.3}],
     "covered-light": [{"camera": replace(near_edges.CAMERA, aperture_diameter=2.0)}],
-    # no cut, half of one, and a CoC that is too small; no colour, too little, and red for blue
+    # no cut, half of one, and a CoC that is too small; no lateral colour, or too little
     "cats-eye-exact": [{"cats_eye": 0.0}, {"cats_eye": 0.4}, {"coc": 0.15}],
     "lateral-color": [{"lateral": 0.0}, {"lateral": 0.03}],
 }
@@ -60,13 +62,15 @@ NOTICED = {
 
 @pytest.mark.parametrize("name", NOTICED)
 def test_probes_notice(name):
-    """Other settings than its own, and it fails."""
+    """Check that a probe fails with other settings than its own."""
     for changes in NOTICED[name]:
         assert not all(check.ok for check in judged(PROBES[name], **changes)), changes
 
 
 def test_sweep_notices_a_pop():
-    """A picture of the near layer where the gather's should still be: all the change of a sweep in one step."""
+    """Check that the sweep notices an image of the near layer where the gather's should be: its whole change in one
+    step.
+    """
     outputs = {case.label: {"result": result(load("osmesa"), case).astype(np.float64)} for case in sweep.SWEEP.cases}
     outputs["CoC -9.25"] = outputs["CoC -9.75"]
     outputs["CoC -9"] = outputs["CoC -8.25"]

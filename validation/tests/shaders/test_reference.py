@@ -1,4 +1,4 @@
-"""The reference against closed forms, and the metrics against known distances."""
+"""Test the reference against closed forms, and the metrics against known distances."""
 
 import formulas
 import numpy as np
@@ -17,7 +17,7 @@ from bokeh_validation.shaders.passes import target_size
 
 
 def test_circle_of_confusion_by_similar_triangles():
-    """c = A |v - v1| / v with the image distances v of the thin lens: another derivation of the same number."""
+    """Derive the CoC in another way, c = A |v - v1| / v with the thin lens's image distances v, and compare."""
     aperture, focal, focus, sensor = 0.03, 0.05, 2.0, 0.024
     depth = np.array([0.6, 1.0, 1.7, 2.0, 3.0, 40.0])
     image = 1.0 / (1.0 / focal - 1.0 / depth)
@@ -28,7 +28,7 @@ def test_circle_of_confusion_by_similar_triangles():
 
 
 def test_leakage_weight():
-    """Only a nearer and clearly sharper sample is held back, by its own CoC."""
+    """Check that only a nearer and clearly sharper sample is reduced, by its own CoC."""
     weight = listings.leakage_weight
     assert weight(1.0, 0.01, 2.0, 0.1, 0.02, 30.0) == pytest.approx(0.3)
     assert weight(1.0, 0.0, 2.0, 0.1, 0.02, 30.0) == 0.0
@@ -39,7 +39,7 @@ def test_leakage_weight():
 
 
 def test_kernels_of_figure_4_and_table_1():
-    """127 and 120 samples; square grids of Table 1; all inside their shape."""
+    """Check the kernels: 127 and 120 samples, the square grids of Table 1, all inside their shape."""
     hexagon, octagon = aperture_shapes.kernel("hexagon", 13), aperture_shapes.kernel("octagon", 13)
     assert len(hexagon) == 127 and len(octagon) == 120
     assert np.linalg.norm(hexagon, axis=1).max() == pytest.approx(0.5)
@@ -56,12 +56,12 @@ def test_kernels_of_figure_4_and_table_1():
         polygon, table = aperture_shapes.regular_polygon(sides), aperture_shapes.kernel(aperture, 30)
         off = 0.5 * geometry.perimeter(polygon) / 29
         assert len(table) / 29**2 == pytest.approx(abs(geometry.signed_area(polygon)), abs=off)
-        # reflected; but for the shift of the mean, half a cell at most; a side is 0.5 cos(pi / sides) from the middle
+        # reflected, and shifted by the mean, half a cell at most; a side is 0.5 cos(pi / sides) from the middle
         assert geometry.inside((1 + 1 / 29 / np.cos(np.pi / sides)) * polygon, *-table.T).all()
 
 
 def test_compare_notices():
-    """A wrong picture, a NaN and a shift by a tenth of a pixel are outside the interval."""
+    """Check that a wrong image, a NaN and a deviation of 1 % are outside the interval."""
     random = np.random.default_rng(3)
     value = random.uniform(0.5, 2.0, (30, 30, 4)).astype(np.float16).astype(np.float64)
     good = Image(value, np.full_like(value, 2.0**-10), np.zeros((30, 30), bool))
@@ -73,18 +73,18 @@ def test_compare_notices():
     assert not metrics.compare((value * 1.01).astype(np.float16), good, False).ok
 
 
-# Of the largest number in a texture. float64 rounds a few hundred operations by 2^-53 each. The shaders say pi with
-# nine digits, 1.4e-9 of it too little at most, which moves a sample of an exact polygon 25 texels away by 3.5e-8.
+# Relative to the largest number in a texture. float64 rounds a few hundred operations by 2^-53 each. The shaders have
+# pi with nine digits, at most 1.4e-9 too small, which moves a sample of an exact polygon 25 texels away by 3.5e-8.
 ALIKE = {"paper": 1e-12, "naive": 1e-12, "naive-grid": 1e-12, "exact": 3.5e-8}
 
 
 @pytest.mark.parametrize("method", ALIKE)
 def test_formulas_and_programs_agree(method):
-    """What the formulas say and what the shaders' text says is the same, pass by pass, in every setting: two ways to
-    find it, of which one has an interval and the other never saw the text.
+    """Check that formulas and shaders agree, pass by pass, in every setting.
 
-    Left out are pixels where a comparison of Listing 3 or the jitter's side is within float32's error, so that it may
-    be within float64's as well: at most one in twenty-five.
+    They are two independent ways to the result: one has an interval, the other never uses the shaders' text. Pixels
+    are ignored where a comparison of Listing 3, or the side of a random offset, is within float32's error, so that it
+    might be within float64's as well: at most one in twenty-five.
     """
     frames = [*cases.tagged(cases.COVERAGE).values(), *(one for group in SWEEPS.values() for one in group)]
     for settings in (one for one in frames if one.method == method):
@@ -104,7 +104,7 @@ def test_formulas_and_programs_agree(method):
 
 @pytest.mark.parametrize("is_part", [False, True], ids=["whole", "part"])
 def test_alone(is_part):
-    """Each interval is that of one pass, from inputs without an interval, also where a viewport is drawn over."""
+    """Check that each interval of alone() covers one pass, from inputs without an interval, also inside a viewport."""
     frame = coverage_frames.of_settings(cases.PAPER, coverage_frames.PART_SIZE)
     frame = coverage_frames.in_part(frame) if is_part else frame
     given = frame.passes, frame.textures, frame.size, "half", precision.SOFTWARE, "zero"
@@ -127,9 +127,10 @@ CHANGES = [
 @pytest.mark.parametrize("share", [2.0**-14, 2.0**-8], ids=["little", "much"])
 @pytest.mark.parametrize("changes", CHANGES, ids=str)
 def test_intervals_hold_what_they_say(changes, share, monkeypatch):
-    """Textures that are off by as much as their error allows, and samplers that are off their place by as much as they
-    may, up and down: every pass stays within its interval, through branches, loops and whole numbers that this leaves
-    open. With samplers a hundred times as far off it does not: the interval is not wide either.
+    """Check that every pass stays within its interval if textures and sampler positions are off by as much as allowed.
+
+    They are off in both directions, which leaves branches, loops and whole numbers open. With samplers a hundred times
+    as far off some pass must leave its interval, so the interval is not too wide.
     """
     camera = methods.Camera(3.3, 0.05, 8.0, max_coc=0.9)
     settings = methods.Settings(**{"method": "layered", "aperture": "hexagon", "camera": camera, **changes})
@@ -162,7 +163,7 @@ def test_intervals_hold_what_they_say(changes, share, monkeypatch):
 
 
 def test_a_kept_pass_that_is_not_whole(tmp_path, monkeypatch):
-    """A file that was cut short is made anew: the same numbers."""
+    """Check that a truncated file in the cache is recomputed with the same numbers."""
     monkeypatch.setattr(paths, "cache_folder", lambda: tmp_path)
     case = noise_case((9, 7), cases.PAPER)
     item = case.plan.passes[0]

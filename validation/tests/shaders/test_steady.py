@@ -1,4 +1,4 @@
-"""BokehStableMap: the outlines of a depth that jitters stand still, and leave with what they are the outlines of."""
+"""Test BokehStableMap: outlines in jittered depth do not flicker, and disappear with their object."""
 
 import numpy as np
 import pytest
@@ -12,8 +12,11 @@ JITTERED = (20, 21, 20, 21, 21, 20, 20, 21)
 
 
 def maps(driver, ends, blend, moved=0.0, history=1.0) -> tuple[np.ndarray, np.ndarray]:
-    """CoC of the middle row, (frames, width), of the map and made steady. What is near ends at a column in each frame,
-    and moves so many pixels a frame; `history` is the CoC before the first one.
+    """Return the CoC of the middle row, (frames, width), of the plain and the stabilised map.
+
+    ends     column at which the near object ends, for each frame
+    moved    its velocity, pixels per frame
+    history  CoC before the first frame
     """
     velocity = np.full((SIZE[1], SIZE[0], 4), moved / SIZE[0], np.float16) * np.float16([1, 0, 0, 0])
     found, last = [], flat(SIZE, 0.0, history)
@@ -29,7 +32,7 @@ def maps(driver, ends, blend, moved=0.0, history=1.0) -> tuple[np.ndarray, np.nd
 
 
 def test_stands_still(driver):
-    """Of a pixel that is near in every other frame: what is forgotten in a frame is a twentieth."""
+    """Check a pixel that is near in some frames only: each frame changes a twentieth."""
     new, steady = maps(driver, JITTERED * 4, 0.05)
     step = np.ptp(new[:, 20])
     assert step > 0.04
@@ -38,7 +41,9 @@ def test_stands_still(driver):
 
 
 def test_goes_along(driver):
-    """With what moves; half a pixel a frame smears it over a pixel, and without velocity it is a pixel late."""
+    """Check that the map follows what moves; half a pixel per frame smears over a pixel, and without velocity it lags
+    by one.
+    """
     new, steady = maps(driver, range(10, 26), 0.05, moved=1.0)
     assert np.abs(steady - new)[1:, 1:].max() < 0.001
     for moved, ends in ((0.5, np.arange(20, 52) // 2), (0.0, range(25, 9, -1)), (0.0, range(25, 4, -5))):
@@ -49,11 +54,13 @@ def test_goes_along(driver):
 
 @pytest.mark.parametrize("history", [np.nan, np.inf, -np.inf, 1.0, -1.0])
 def test_begins_anew(driver, history):
-    """After a cut, whatever the last frame held; and without one nothing gets beyond what is around it."""
+    """Check that nothing remains after a cut, whatever the previous frame held, and that values stay within the
+    neighbourhood.
+    """
     new, steady = maps(driver, (20, 20), 1.0, history=history)
     assert (steady == new).all()
     new, steady = maps(driver, JITTERED, 0.05, history=history)
     assert (steady <= new).all() and (steady[:, 22:] == new[:, 22:]).all() and (steady >= new.min()).all()
-    # from beside the image comes nothing
+    # nothing comes from outside the image
     new, steady = maps(driver, (20, 20), 0.0, moved=1.0, history=history)
     assert (steady[:, 0] == new[:, 0]).all()

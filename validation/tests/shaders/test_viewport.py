@@ -1,4 +1,4 @@
-"""BOKEH_VIEWPORT: an image that is a part of its textures, with NaN around it in every one of them."""
+"""Test BOKEH_VIEWPORT: an image inside larger textures, each with NaN around it."""
 
 from dataclasses import replace
 
@@ -16,22 +16,22 @@ from bokeh_validation.reference import pass_images
 from bokeh_validation.shaders.passes import Pass, target_area
 
 SIZE = (90, 74)
-# not in the middle, of another aspect ratio than the textures: a wrong corner, size or order of the rows shows
+# off-centre and with another aspect ratio than the textures, so that a wrong corner, size or row order shows
 VIEWPORT = (24, 8, 48, 37)
 CAMERA = methods.Camera(0.12, 0.05, 4.0, max_coc=0.3)
 SETTINGS = cases.tagged(cases.VIEWPORT, CAMERA)
 WIDE = Settings("exact", "hexagon", camera=replace(CAMERA, max_coc=1.0))
 LAYERED = SETTINGS["layered hexagon"]
-# Name -> settings, size of the textures, and where the image is in them
+# Name -> settings, size of the textures, and the image's rectangle in them
 CASES = {
     **{name: (settings, SIZE, VIEWPORT) for name, settings in SETTINGS.items()},
-    # The whole texture, a corner, and each polygon, so that every entry of layered draws into one. The smallest is more
-    # than 8 pixels wide and high: a target of an eighth that is one texel wide has no room for the inset
+    # The whole texture, a corner, and each polygon, so that every entry of layered draws into one. The smallest is
+    # more than 8 pixels wide and high, because a target of one eighth that is one texel wide has no room for the inset
     "layered, whole": (LAYERED, SIZE, (0, 0, 90, 74)),
     "layered square, a corner": (replace(LAYERED, aperture="square"), SIZE, (8, 24, 40, 30)),
     "layered octagon, last corner": (replace(LAYERED, aperture="octagon", use_mrt=False), SIZE, (40, 16, 50, 58)),
     "layered decagon, smallest": (replace(LAYERED, aperture="decagon"), SIZE, (72, 56, 11, 9)),
-    # The smallest image, the whole texture, its last corner, and far from uv 0, where float32 is coarsest
+    # The smallest image, the whole texture, its last corner, and positions far from uv 0, where float32 is coarsest
     "smallest": (WIDE, (9, 7), (3, 2, 2, 2)),
     "whole": (WIDE, (9, 7), (0, 0, 9, 7)),
     "last corner": (WIDE, (9, 7), (8 - 3, 7 - 5, 3, 5)),
@@ -43,13 +43,13 @@ EVERYWHERE = ("paper hexagon", "exact, preset", "naive", "constant CoC", "layere
 
 
 def inside(pixels: np.ndarray, area: tuple[int, int, int, int]) -> np.ndarray:
-    """The part of (H, W, ...) pixels that a rectangle (x, y, width, height) is, a view."""
+    """Return the part of pixels (H, W, ...) in a rectangle (x, y, width, height), as a view."""
     x, y, width, height = area
     return pixels[y : y + height, x : x + width]
 
 
 def framed(part: np.ndarray, size: tuple[int, int], area: tuple[int, int, int, int]) -> np.ndarray:
-    """An image at its place in a texture of NaN."""
+    """Return a texture of NaN with an image in the rectangle `area`."""
     whole = np.full((size[1], size[0], *part.shape[2:]), np.nan, part.dtype)
     inside(whole, area)[:] = part
     return whole
@@ -57,12 +57,11 @@ def framed(part: np.ndarray, size: tuple[int, int], area: tuple[int, int, int, i
 
 @spread("name", CASES, EVERYWHERE)
 def test_nothing_leaks_in(name, driver):
-    """A target is within the reference's interval in its part; what was around it is as it was: NaN, as everything is
-    around the image in every texture.
+    """Check that targets are within the reference's interval inside the viewport and unchanged outside it.
 
-    layered and the character are compared pass by pass, each with what the device had in its inputs. The interval is
-    that of the formulas on the image alone, wider by the slope times 1/128 texel, by which fetches keep away from the
-    surroundings.
+    Around the image every texture is NaN. layered, cat's eye and lateral colour are compared pass by pass, each with
+    the device's own inputs. The interval is that of the image alone, widened by the slope times 1/128 texel, the
+    distance that fetches keep from the surroundings.
     """
     settings, size, viewport = CASES[name]
     image = noise_case(viewport[2:], settings)
@@ -70,10 +69,10 @@ def test_nothing_leaks_in(name, driver):
     nothing = np.full((size[1], size[0], 4), np.nan, np.float16)
     textures = {"color": framed(image.color, size, viewport), "depth": framed(image.depth, size, viewport)}
     textures |= plan.tables
-    # in shader model 3 the last pass of layered has no room for this: variants.NO_ROOM
+    # in shader model 3 the last pass of layered does not fit with a viewport: variants.NO_ROOM
     passes = [item for item in plan.passes if (driver.name, item.entry) != ("d3d9", "BokehComposite")]
     scales = {name: item.scale for item in passes for name in item.outputs}
-    # debug views of NaN into every target, each at its scale
+    # fill every target with NaN first, by debug views at the target's scale
     inputs = {"ColorSamp": "nan", "DepthSamp": "depth"}
     poison = [Pass("BokehDebug", inputs, name, scale=scale) for name, scale in scales.items()]
     outputs = driver.run([*poison, *passes], textures | {"nan": nothing}, size, keep=scales)
@@ -84,7 +83,7 @@ def test_nothing_leaks_in(name, driver):
         x, y, width, height = area = target_area(scales[name], viewport)
         found = inside(outputs[name], area)
         assert np.isfinite(found).all(), f"what is around the image leaks into {name}"
-        # the interval knows the places within the part, and at uv near 1 of a wide texture float32 has fewer of them
+        # the interval covers positions within the part; at uv near 1 of a wide texture float32 resolves fewer of them
         if max(size) < 1000:
             software = driver.software and name == plan.result and not by_pass
             part = wanted[name].part(slice(y, y + height), slice(x, x + width))
@@ -100,7 +99,7 @@ def test_nothing_leaks_in(name, driver):
 
 
 def test_debug_views_and_linear_depth(driver):
-    """Of the part alone, as those of an image that is the whole texture; depth is read texel by texel."""
+    """Compare debug views and linear depth of a part with those of the same image in a texture of its size."""
     image = noise_case(VIEWPORT[2:], Settings())
     textures = {"color": image.color, "depth": image.depth}
     whole = {name: framed(pixels, SIZE, VIEWPORT) for name, pixels in textures.items()}
@@ -114,7 +113,8 @@ def test_debug_views_and_linear_depth(driver):
         plan = methods.in_viewport(methods.Plan(passes, {}), VIEWPORT, SIZE)
         output = driver.run(plan.passes, whole, SIZE)["result"]
         assert not output[: VIEWPORT[1]].any(), "a new target holds 0 around the viewport"
-        # colour is read by a linear filter, off by the inset at most: 1/128 of the step to the next texel in x and y;
+        # colour is read with a linear filter, off by at most the inset: 1/128 of the step to the next texel in x and
+        # y; and both results are stored
         # and both are stored
         step = 0.0 if passes in (linear, views[1]) else 2 * alone.max() / 128
         off = np.abs(inside(output, VIEWPORT)[..., :3].astype(float) - alone)
@@ -122,10 +122,11 @@ def test_debug_views_and_linear_depth(driver):
 
 
 def test_a_column(driver):
-    """An image one pixel wide has no room for the inset: it is the image alone, where what is around is finite.
+    """Check an image one pixel wide, which has no room for the inset: it equals the image alone if its surroundings
+    are finite.
 
     Black surroundings would darken it by 1/128 if the fetch were moved by the inset. The rounding of uv moves it by 8
-    steps of 2^-24 of the width, a GPU by its sub-texel step; then a step of half floats.
+    steps of 2^-24 of the width, a GPU by its sub-texel step; the store adds a step of half floats.
     """
     size, viewport = (8, 8), (3, 1, 1, 5)
     color = np.zeros((8, 8, 4), np.float16)
@@ -139,7 +140,7 @@ def test_a_column(driver):
 @pytest.mark.parametrize("name", ["ViewportX", "ViewportY", "TextureWidth", "TextureHeight"])
 @in_each_language
 def test_parameters_out_of_range(name, driver):
-    """Finite and not negative where all that there is to read is, from colour that is not."""
+    """Check that results are finite and not negative for invalid viewports, also from bad colour."""
     image = noise_case(SIZE, Settings())
     image.color[::3, ::5] = np.nan
     plan = methods.in_viewport(methods.plan(SETTINGS["exact, preset"], VIEWPORT[2:]), VIEWPORT, SIZE)

@@ -1,4 +1,4 @@
-"""Settings on random patches of colour and depth: every driver is within the interval of the reference."""
+"""Test settings on random patches of colour and depth: every driver must be within the interval of the reference."""
 
 from dataclasses import replace
 
@@ -12,7 +12,7 @@ from bokeh_validation.probes import cases, coverage_frames, judges
 from bokeh_validation.probes.cases import ALL, FOCUS, PLAIN, SWEEPS
 from bokeh_validation.shaders.entries import ENTRIES
 
-# What the lens's character and the focus controls need of a compiler
+# Programs with the lens's character and the focus controls, to compile and draw
 LENS = {
     **{f"cat's eye {k}": Settings("exact", k, cats_eye=0.7, roundness=0.5, **ALL) for k in methods.EXACT},
     "focus": Settings("exact", "hexagon", camera=CAMERA, focus=FOCUS),
@@ -22,14 +22,14 @@ LENS = {
 
 @pytest.mark.parametrize("method", ["paper", "naive", "exact", "layered"])
 def test_every_entry(method, driver):
-    """Every program of the package on every driver, everything away from its default."""
+    """Draw every program of the package on every driver, with everything away from its default."""
     for settings in cases.tagged(cases.ENTRIES).values():
         if settings.method.startswith(method):
             within(driver, noise_case((45, 29), settings))
 
 
 def test_every_entry_is_there():
-    """In those frames, but for the entries of test_inputs.py, test_drivers.py and test_steady.py."""
+    """Check that those frames have all entries, except those of test_inputs.py, test_drivers.py and test_steady.py."""
     drawn = {
         item.entry
         for settings in cases.tagged(cases.ENTRIES).values()
@@ -40,16 +40,16 @@ def test_every_entry_is_there():
 
 @pytest.mark.parametrize("name", [pytest.param(name, marks=nightly) for name in NIGHTLY])
 def test_character(name):
-    """The lens's character on the drivers that the tables below leave out."""
+    """Draw the lens's character on the drivers that the tables below leave out."""
     for settings in LENS.values():
         within(load(name), noise_case((61, 48), settings))
 
 
 @spread("size", [(61, 37), (1, 1), (3, 2), (1, 2048), (2048, 1), (257, 33)], [(61, 37)])
 def test_sizes(size, driver):
-    """Odd, tiny and thin images; of layered, targets of half, a quarter and an eighth that are not filled.
+    """Draw odd, tiny and thin images; in layered, targets of half, quarter and eighth size are not filled completely.
 
-    A CoC of 0.02 is 41 texels high in the longest column.
+    A CoC of 0.02 is 41 texels in the longest column.
     """
     camera = replace(CAMERA, max_coc=0.02) if max(size) > 1000 else CAMERA
     for method in PLAIN:
@@ -61,7 +61,7 @@ def test_sizes(size, driver):
 @pytest.mark.parametrize("group", SWEEPS)
 @pytest.mark.parametrize("driver", LANGUAGES, indirect=True)
 def test_settings(group, driver, request):
-    """Every parameter of the shaders away from its default: each setting in one language, in all of them with --all."""
+    """Draw every parameter away from its default: each setting in one language, with --all in all of them."""
     languages = 1 if request.config.getoption("--all") else len(LANGUAGES)
     first = (list(SWEEPS).index(group) + LANGUAGES.index(driver.name)) % languages
     for settings in SWEEPS[group][first::languages]:
@@ -70,15 +70,16 @@ def test_settings(group, driver, request):
             assert comparison.close >= 0.98, (settings, comparison)
 
 
-# Beside frames of settings: planes in part in a layer, near over far, black beside bright, many tiles, one pixel
+# Frames that settings do not give: planes partly in a layer, near over far, black next to bright, many tiles, one
+# pixel
 IMAGES = ("plane", "near over far", "cones", "ragged", "black", "large", "layered, one pixel", "layered, not blurred")
 
 
 @pytest.mark.parametrize("driver", LANGUAGES, indirect=True)
 def test_images_of_layered(driver):
-    """Images that take a branch of their own: those that check and mutants draw.
+    """Draw images that reach special branches: those of `check` and mutants.
 
-    And 1 / (1 / 122), which is more than 122 in float32: rounded up without a care, half of it would be 62 texels.
+    The last one has 1 / (1 / 122), which exceeds 122 in float32: carelessly rounded up, half of it would be 62 texels.
     """
     frames = coverage_frames.all_frames()
     for label in (label for label in frames if label.startswith(IMAGES)):
