@@ -52,7 +52,7 @@ def opened(name: str, project: Path | None = None) -> browser.Session:
     """Open the page of a sample; the session's functions are those that capture.js exports. Raises Unavailable.
 
     project  folder that contains integration/, with node_modules in the sample; None: the checkout, with node_modules
-    in the cache folder
+             in the cache folder
     """
     engine, _, kind = name.partition("-")
     root = project or paths.ROOT

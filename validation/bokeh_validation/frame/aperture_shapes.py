@@ -100,7 +100,7 @@ def kernel(aperture: str, samples: int, rotation: float = 0.0) -> np.ndarray:
 
     aperture  one of NAMES
     samples   samples on a line; the table has about their density: 13 gives the hexagon of 127 samples and the octagon
-    of 120 samples in Figure 4
+              of 120 samples in Figure 4
     rotation  degrees
     """
     cells = max(2, samples - 1)

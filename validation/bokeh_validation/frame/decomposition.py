@@ -33,7 +33,7 @@ class LinePass:
     angle     degrees
     length    CoC
     center    middle of the segment of samples, (x, y) from the pixel, CoC. A pixel sees a highlight on the opposite
-    side of itself, so this is minus the position of the line in the image of a highlight.
+              side of itself, so this is minus the position of the line in the image of a highlight.
     reads     index of the pass whose result it reads; None: the CoC map
     combines  index of the finished pass that it is combined with by min; None: it is not combined
     """

@@ -69,7 +69,7 @@ class Settings:
     rotation   of the polygon, degrees
     coc        a constant CoC, fraction of the image height, that replaces the one from depth
     spacing    pixels between samples, so that the CoC determines their number; 0: a fixed number of samples; default:
-    the preset's for exact, 0 for all others
+               the preset's for exact, 0 for all others
     jitter     amount of random sample offsets, 0 to 1, where samples are more than a pixel apart
     frame      number of the frame, which the random offsets depend on
     squeeze    width of the bokeh over its height

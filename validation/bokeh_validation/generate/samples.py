@@ -81,7 +81,7 @@ def frame(
     targets   whether a pass may write several targets
     adaptive  whether lines of paper take as many samples as their length needs
     memory    prefix of the targets' names, which are then numbered by their memory, so that targets that may share it
-    have one name; '': their own names
+              have one name; '': their own names
     """
     spacing = 1.0 if adaptive and method == "paper" else 0.0
     settings = methods.Settings(method, aperture, use_mrt=targets, spacing=spacing)

@@ -4,9 +4,9 @@ The allowed interval of a pixel is computed along with its value, operation by o
 reads and sin and cos are less exact than float32's roundings:
 
   * Sub-texel position. Direct3D 11 and Vulkan require 8 bits of sub-texel precision, so a position may be off by 1/256
-of a texel (1/512 if it is rounded); software filters in float32 have no such step.
+    of a texel (1/512 if it is rounded); software filters in float32 have no such step.
   * Vulkan and WebGPU allow errors of 2^-11 in sin and cos. (SwiftShader's are off by 0.0002, Mesa's by less than a
-float32 rounding.)
+    float32 rounding.)
 
 Storing adds one step of the target's format: both neighbours of a value are valid roundings, and OpenGL and Vulkan do
 not say which one is used (Mesa's OpenGL truncates, its Vulkan rounds to nearest).

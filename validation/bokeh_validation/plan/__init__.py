@@ -72,7 +72,7 @@ def frame(settings: methods.Settings, size: tuple[int, int], viewport: tuple[int
 
     size      (width, height) of the textures, pixels
     viewport  (x, y, width, height) if the image fills only a part of them, counted from the first row in memory. x and
-    y must be multiples of every pass's scale; ValueError is raised otherwise
+              y must be multiples of every pass's scale; ValueError is raised otherwise
 
     `last_read` is the last pass that reads a texture, null for the result; textures with the same number in `memory`
     may share a target. Bindings are those of WebGPU and Vulkan, `register` is Direct3D's. `fetches` of a pass is the

@@ -85,7 +85,7 @@ def judges(label: str, frame: Frame, precision: Precision, rounding: str, text: 
     """Return a judge for each pass of a frame, for a device of this precision and rounding.
 
     text  all GLSL files as one text; None: those of the package. Raises KeyError if it lacks something that the
-    frame's passes need
+          frame's passes need
     """
     size, made, images, result = frame.size, {}, {}, []
     if not frame.main:

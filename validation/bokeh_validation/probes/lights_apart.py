@@ -27,7 +27,7 @@ class Apart:
     background  CoC of the plane, pixels
     textured    whether the plane is a checker
     rim         whether the pixels around the light are half covered, as antialiasing leaves them: half of its colour,
-    with the depth of the plane
+                with the depth of the plane
     """
 
     coc: float

@@ -8,7 +8,7 @@ of its members.
 Two cases use more than the operations alone:
 
   * floor(x) in a declaration, where x may be on either side of a whole number: the rest of the block runs once for
-each side, since floor(x) + f(x - floor(x)) is usually the same from both.
+    each side, since floor(x) + f(x - floor(x)) is usually the same from both.
   * BokehRotated: the error of a direction is a disc, which a rotation does not enlarge.
 """
 
@@ -73,7 +73,7 @@ class Run:
     line       Precision.line: error of sin and cos
     count      number of pixels
     undecided  (count,) bool: one of Listing 3's comparisons, or the side of a random offset, is open and makes a
-    difference
+               difference
     """
 
     library: Library

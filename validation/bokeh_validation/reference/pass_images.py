@@ -45,7 +45,7 @@ def images(
 
     rounding  how the targets round, see images.stored
     given     name -> a device's content of a target, which later passes read instead of the computed one; each
-    interval is then that of one pass
+              interval is then that of one pass
     Returns target -> image.
     """
     frame, results = _Frame(textures, size), {}

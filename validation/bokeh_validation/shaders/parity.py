@@ -9,7 +9,7 @@ difference. Not compared, because each language needs its own, are
   in the library   the header's PASTE block, and section [2] up to where the image lies in its textures
   in the passes    everything before the last heading (bindings, vertex shader), except the rows of the table of passes
   in both          of a function that reads a texture itself, which rules.py allows in section [2] only: its body, and
-its comment after the first line
+                   its comment after the first line
 
 Every other deviation needs a rule here, and its reason in docs/paper.md.
 """
@@ -139,7 +139,7 @@ def check(texts: Mapping[str, str] | None = None) -> list[Difference]:
     """Return every difference between the languages, and every broken rule; empty if all is well.
 
     texts  path from the top of the checkout, such as 'hlsl/bokeh.hlsl' -> text to check instead of that file; other
-    files are read from the checkout
+           files are read from the checkout
     """
     files: dict[str, str] = dict(texts or {})
     for key in (key for keys in FILES.values() for key in keys.values()):

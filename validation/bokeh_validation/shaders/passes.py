@@ -61,10 +61,10 @@ class Pass:
     samples     BOKEH_NUM_SAMPLES, or BOKEH_PAPER_SAMPLES
     defines     other constants of the program, name -> value
     sources     language ('glsl', 'hlsl', 'wgsl') -> a complete program to run instead of the package's; its entry is
-    named as `entry` says, main in GLSL. OpenGL and WebGPU drivers only.
+                named as `entry` says, main in GLSL. OpenGL and WebGPU drivers only.
     viewport    (x, y, width, height) in texels of the full size, y from the first row in memory: the part of the
-    targets that is drawn, over what an earlier pass left in them; None: all of it, into new targets. x and y are
-    multiples of `scale`; see target_area()
+                targets that is drawn, over what an earlier pass left in them; None: all of it, into new targets. x and
+                y are multiples of `scale`; see target_area()
     scale       one of SCALES: the targets have the full size divided by it, rounded up; see target_size()
 
     Raises ValueError if the entry writes another number of targets or does not read a slot, and for other scales.

@@ -169,7 +169,7 @@ def on_webgpu(name: str, build: Callable, vertex: Block, *blocks: Block) -> dict
 
     name   of the driver
     build  (driver, linear sampler, vertex shader, block) -> its two stages, and binding -> what is bound there: the
-    name of a texture, or a WebGPU resource
+           name of a texture, or a WebGPU resource
     Returns target -> its bytes.
     """
     driver = copy(load(name))

@@ -54,9 +54,9 @@ def check_pull(folder, metres):
 
     depths     of points in the world, or
     points     (u, v, depth that the sample found there): it must lie within the depths of the 3 x 3 pixels around it,
-    since a ray need not pass through a pixel's centre
+               since a ray need not pass through a pixel's centre
     distances  after each frame of `frame` seconds, from `from` (else the camera's) towards the nearest of the points,
-    with the time constant `seconds`; float32
+               with the time constant `seconds`; float32
     """
     data = json.loads((folder / "capture.json").read_text(encoding="utf-8"))
     size = metres.shape
