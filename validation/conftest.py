@@ -1,4 +1,4 @@
-"""Fixtures and options of all tests."""
+"""Define fixtures and options of all tests."""
 
 import pytest
 from support import DRIVERS, LANGUAGES, NIGHTLY, load
@@ -9,13 +9,13 @@ pytest_plugins = tuple(f"bokeh_validation.run.{name}" for name in ("schedule", "
 
 
 def pytest_addoption(parser):
-    """validation/test --all, for CI."""
+    """Add validation/test --all, for CI."""
     said = "every engine's sample (Bevy builds for minutes), and every probe and setting in each language"
     parser.addoption("--all", action="store_true", help=said)
 
 
 def pytest_collection_modifyitems(config, items):
-    """Leave out what is marked `nightly` unless everything is asked for, and what is for validation/run alone."""
+    """Leave out tests marked `nightly` unless everything is asked for, and tests that are for validation/run only."""
     if config.getoption("--report"):
         return
     marks = ("report",) if config.getoption("--all") else ("report", "nightly")
@@ -26,11 +26,11 @@ def pytest_collection_modifyitems(config, items):
 
 @pytest.fixture(params=DRIVERS)
 def driver(request) -> drivers.Driver:
-    """One of each language in turn; with --all, those of NIGHTLY too."""
+    """Return one driver of each language in turn; with --all, also those of NIGHTLY."""
     return load(request.param)
 
 
 @pytest.fixture
 def all_drivers(request) -> list[drivers.Driver]:
-    """Those that `driver` is in turn, at once."""
+    """Return all drivers that `driver` takes in turn."""
     return [load(name) for name in (*LANGUAGES, *(NIGHTLY if request.config.getoption("--all") else ()))]

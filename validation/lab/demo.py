@@ -1,7 +1,7 @@
-"""A page to try the methods on, live, in a browser: the work behind `validation/run demo`.
+"""Build a live page to try the methods in a browser: the command `validation/run demo`.
 
-The page is a web project, integration/demo, which Vite builds for a static host or as one HTML file. Here its data is
-written: the passes of methods.plan and the scenes. The page draws them with the code of the browser drivers
+The page is a web project, integration/demo, which Vite builds for a static host or as one HTML file. This module
+writes its data: the passes of methods.plan and the scenes. The page draws them with the code of the browser drivers
 (browser/page).
 """
 
@@ -29,27 +29,27 @@ from bokeh_validation.truth import EXPOSURE, ray_traced
 from lab.other_effects import effects
 
 PROJECT = paths.ROOT / "integration" / "demo"
-# Folders of the repository that the build reads, and its tests
+# Folders of the repository that the build and its tests read
 READ = (browser.PAGE, effects.PAGE, paths.ROOT / "integration/web/test")
 BUILD_LIMIT = 300.0  # seconds; it takes 3
 OTHERS = ("BokehPass", "DepthOfFieldEffect")
-# What the page calls a scene
+# The page's name of a scene -> the scene
 SCENES = {
     "Night market": ray_traced.MARKET,
     "Street lights": ray_traced.STREET,
     "Canopy": ray_traced.CANOPY,
 }
-BOKEH_SCALE = 10.0  # with which the page begins, as every integration does
+BOKEH_SCALE = 10.0  # the page's initial value, as in every integration
 PACKAGE = paths.ROOT / "integration/web/package.json"
 # Text of a link -> file of the repository
 LINKS = {"source": "", "guide": "docs/start.md", "results": "docs/results.md", "engines": "integration/README.md"}
-# of the plans: the page puts in its own
+# size for the plans; the page replaces it by the image's
 SIZE = (960, 540)
 HOST = "127.0.0.1"
 
 
 def settings() -> dict[str, methods.Settings]:
-    """'method aperture preset' -> settings of every frame that the page can draw; paper has no preset."""
+    """Return 'method aperture preset' -> settings of every frame that the page can draw; paper has no presets."""
     frames = {f"paper {aperture}": methods.Settings("paper", aperture) for aperture in EXACT}
     for aperture in EXACT:
         for preset in methods.PRESETS:
@@ -59,10 +59,10 @@ def settings() -> dict[str, methods.Settings]:
 
 
 def data() -> dict:
-    """What src/main.js works on, ready for JSON."""
+    """Return the data of src/main.js, ready for JSON."""
     glsl = shaders.text("glsl")
     plans = {name: methods.plan(chosen, SIZE).passes for name, chosen in settings().items()}
-    # presets and polygons have many passes in common
+    # presets and polygons share many passes
     passes: dict[str, dict] = {}
     numbers = {}
     for name, items in plans.items():
@@ -122,7 +122,7 @@ def shown_depth(scene: ray_traced.SceneFile) -> np.ndarray:
 
 
 def _write_pinhole(scene: ray_traced.SceneFile, target: Path) -> None:
-    """Write what the page blurs: colour and depth."""
+    """Write the image that the page blurs: colour and depth."""
     color = ray_traced.picture(scene).color.astype(np.float16)
     channels = {name: np.ascontiguousarray(color[..., i]) for i, name in enumerate("RGB")}
     header = {"compression": OpenEXR.ZIP_COMPRESSION, "type": OpenEXR.scanlineimage}
@@ -131,7 +131,7 @@ def _write_pinhole(scene: ray_traced.SceneFile, target: Path) -> None:
 
 
 def write_data(folder: Path) -> None:
-    """Write what the page is built with: page.json, and of each scene the input and the ray-traced truth."""
+    """Write the data for the build: page.json, and for each scene the input and the ray-traced truth."""
     (folder / "page.json").write_text(json.dumps(data()), encoding="utf-8")
     for scene in SCENES.values():
         truth = paths.SCENES / f"{scene.name}_{ray_traced.TRUTHS['hexagon']}.exr"
@@ -140,9 +140,9 @@ def write_data(folder: Path) -> None:
 
 
 def copied(repository: Path) -> Path:
-    """Copy the project and what it reads to where they are in a repository, and install its packages there.
+    """Copy the project and the folders that it reads to the same places in a repository, and install its packages.
 
-    Returns the project's folder. Raises Unavailable where npm is missing or Node.js is too old for Vite.
+    Returns the project's folder there. Raises Unavailable if npm is missing, or Node.js is too old for Vite.
     """
     pages.check_node()
     return pages.copied(PROJECT, repository, READ)
@@ -150,9 +150,9 @@ def copied(repository: Path) -> Path:
 
 @contextmanager
 def built(mode: str) -> Iterator[Path]:
-    """Build the page and yield the folder that has it. Raises Unavailable where npm is missing.
+    """Build the page and yield its folder. Raises Unavailable if npm is missing.
 
-    mode  "host": index.html with its scripts and pictures beside it; "file": index.html with all of them in it
+    mode  "host": index.html with scripts and images as files; "file": index.html that contains all of them
     """
     with tempfile.TemporaryDirectory(prefix="bokeh-") as repository:
         project = copied(Path(repository))
@@ -162,15 +162,15 @@ def built(mode: str) -> Iterator[Path]:
 
 
 class _Handler(SimpleHTTPRequestHandler):
-    """Files of a folder, in silence."""
+    """Serve the files of a folder without logging."""
 
     def log_message(self, *_):
-        """Nothing."""
+        """Log nothing."""
 
 
 @contextmanager
 def server(port: int) -> Iterator[ThreadingHTTPServer]:
-    """What serves the page to this machine alone; port 0 takes a free one. Raises UserError."""
+    """Yield a server of the page for this machine only; port 0 chooses a free one. Raises UserError."""
     with built("host") as folder:
         try:
             serving = ThreadingHTTPServer((HOST, port), partial(_Handler, directory=folder))
@@ -196,7 +196,9 @@ def demo(
         Path | None, typer.Option("--data", metavar="FOLDER", help="Write only the data, for Vite's own server.")
     ] = None,
 ) -> None:
-    """A page to try it: methods side by side, focus by a click, lens and aperture by sliders, pictures of your own."""
+    """Serve or write a page to try the methods: side by side, focus by a click, sliders for the lens,
+    your own images.
+    """
     if data_folder is not None:
         files.check_folder("--data", data_folder)
         write_data(data_folder)

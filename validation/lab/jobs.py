@@ -1,4 +1,4 @@
-"""Work for several processes, each with drivers and a browser of its own."""
+"""Run work in several processes, each with its own drivers and browser."""
 
 import atexit
 import multiprocessing
@@ -12,7 +12,7 @@ from bokeh_validation.errors import UserError
 from bokeh_validation.process import end_programs
 from bokeh_validation.run.session import PROCESSES
 
-# a function of a module and its arguments; both and the result go from one process to another
+# a function of a module and its arguments; both, and the result, are passed between processes
 Job = tuple[Callable, tuple]
 
 
@@ -39,10 +39,10 @@ def _flat(job: Job) -> tuple:
 
 
 def _begin() -> None:
-    """Give a new process an end of its own."""
+    """Set up how a new worker process ends."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     signal.signal(signal.SIGTERM, lambda *_: _leave())
-    # runs after all that is registered later, which ends browsers and Wine
+    # runs after everything that is registered later, which ends browsers and Wine
     atexit.register(_leave)
 
 

@@ -1,4 +1,4 @@
-"""The command `validation/run truth`: every method against a lens, on ray-traced, random and moving scenes."""
+"""Compare every method with a lens on ray-traced, random and moving scenes: the command `validation/run truth`."""
 
 from typing import Annotated
 
@@ -9,7 +9,7 @@ from bokeh_validation.errors import UserError
 from bokeh_validation.truth import DEFAULT, METHODS, labels, ray_traced, ray_traced_report
 from lab.rasterised import motion, random_score
 
-# Above it, the memory of places to look at
+# Limit set by the memory of the worst places
 MOST_RANDOM = 10_000
 
 
@@ -33,8 +33,10 @@ def truth(
     adapter: terminal.Adapter = None,
     json_file: terminal.JsonFile = None,
 ) -> None:
-    """How near every method comes to what a lens sees (docs/results.md): FLIP, PSNR, light relative to it, on
-    ray-traced scenes. --random, --motion: on rasterised ones, faults counted, or how much it flickers.
+    """Compare every method with what a lens sees (docs/results.md): FLIP, PSNR and relative light on ray-traced
+    scenes.
+
+    With --random or --motion: on rasterised scenes, with faults counted, or flicker measured.
     """
     given = {"--scene": scene, "--random": count, "--motion": sequence}
     if len(several := [name for name, value in given.items() if value is not None]) > 1:

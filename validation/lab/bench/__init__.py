@@ -1,7 +1,7 @@
-"""Times of the methods against `paper`, and the paper's Table 1: the work behind `bench`.
+"""Time the methods against `paper`, and reproduce the paper's Table 1: the command `validation/run bench`.
 
-Every frame is what `validation/run plan` prints, drawn and timed by script.py, which also runs by itself on any
-machine with a GPU (pack.py).
+Every frame is what `validation/run plan` prints, drawn and timed by script.py, which can also run alone on any machine
+with a GPU (pack.py).
 """
 
 import json
@@ -26,28 +26,31 @@ from bokeh_validation.frame import methods
 from bokeh_validation.truth import ray_traced
 from lab.bench import languages, pack, script
 
-# Samples on a line for the effective counts of Table 1, 16, 64, 144, 256, 400 and 576, and the default count
+# Samples on a line that correspond to Table 1's 16, 64, 144, 256, 400 and 576 samples, and the default count
 SIDES = (4, 8, 12, methods.PAPER_SAMPLES, 16, 20, 24)
 SCENE = ray_traced.MARKET  # much of it is out of focus, near and far
-# Constant CoC of Table 1, fraction of the image height: BOKEH_MAX_COC as it comes. The paper does not say which it had.
+# Constant CoC for Table 1, fraction of the image height: the default BokehMaxCoC. The paper does not state its own.
 COC = 0.1
 
-# (frame, another) -> its time over that of the other, at most: what --judge holds. naive at 144 samples takes at least
-# 62 / 24 of the time of the paper's hexagon, as in the paper's Table 1.
+# (frame, other frame) -> maximum of its time over the other's, for --judge. In the paper's Table 1, naive at 144
+# samples takes 62 / 24 of the time of the paper's hexagon; it must take at least that.
 BOUNDS = {
     ("layered low", "paper"): 1.3,
     ("layered medium", "paper"): 2.0,
     ("exact hexagon 576", "paper hexagon 576"): 0.5,
     ("paper hexagon 144", "naive 144"): 24 / 62,
 }
-# With --judge, at least: a tenth of fewer draws is none
+# Minimum of rounds with --judge, so that a tenth of the draws is at least one
 JUDGED_ROUNDS = 12
-# Of script.COLUMNS
+# Indices into script.COLUMNS
 MEDIAN, LOW = 1, 2
 
 
 def table_one(sides: Sequence[int] = SIDES) -> dict[str, methods.Settings]:
-    """Naive, the paper's polygons and `exact` at the same sample spacing, with a constant CoC."""
+    """Return settings of naive, the paper's polygons and `exact` with the same sample spacing and a constant CoC.
+
+    sides  samples on a line
+    """
     every = {}
 
     def add(key: str, method: str, aperture: str, samples: int) -> None:
@@ -63,7 +66,9 @@ def table_one(sides: Sequence[int] = SIDES) -> dict[str, methods.Settings]:
 
 
 def settings() -> dict[str, methods.Settings]:
-    """The paper's hexagon, and those of `exact` and `layered`, with the CoC from depth; and both in focus."""
+    """Return settings of the paper's hexagon, and of `exact` and `layered`, with the CoC from depth, and of both in
+    focus.
+    """
     paper = methods.Settings("paper", "hexagon", camera=SCENE.camera)
     every, sharp = {"paper": paper}, replace(SCENE.camera, aperture_diameter=0.0)
     for method in ("exact", "layered"):
@@ -74,7 +79,7 @@ def settings() -> dict[str, methods.Settings]:
 
 
 def textures(size: tuple[int, int]) -> dict[str, np.ndarray]:
-    """The scene at (width, height), nearest texel: 'color' and 'depth'."""
+    """Return the scene scaled to (width, height) by nearest texel: 'color' and 'depth'."""
     scene = ray_traced.picture(SCENE)
     columns, rows = (np.arange(side) * whole // side for side, whole in zip(size, scene.size, strict=True))
     return {"color": scene.color[rows][:, columns], "depth": scene.depth[rows][:, columns]}
@@ -83,9 +88,13 @@ def textures(size: tuple[int, int]) -> dict[str, np.ndarray]:
 def timed(
     every: Mapping[str, methods.Settings], driver: str, adapter: str | None, size: tuple[int, int], rounds: int
 ) -> tuple[str, float, list[dict]]:
-    """The device; the share of the clock that its timer shows; of each frame what --json writes. Raises Unavailable.
+    """Time frames on a driver. Raises Unavailable.
 
-    A pass is [entry, median, a tenth is below, nine tenths are below], milliseconds.
+    every    name -> settings
+    size     (width, height)
+    rounds   how often all frames are drawn
+    Returns the device, the fraction of the elapsed time that its timer reports, and for each frame what --json writes.
+    A pass is [entry, median, 10th percentile, 90th percentile], milliseconds.
     """
     with tempfile.TemporaryDirectory(prefix="bokeh-") as folder:
         pack.fill(Path(folder), every, [textures(size)], wheels=False)
@@ -102,22 +111,24 @@ def timed(
 
 
 def against(key: str) -> str | None:
-    """The frame that one is compared with: in Table 1 the method before it in the table, else the paper's hexagon."""
+    """Return the frame to compare with: in Table 1 the method before it in the table, otherwise the paper's hexagon."""
     method, _, samples = key.rpartition(" ")
     before = {"paper": f"naive {samples}", "exact": key.replace("exact", "paper")}
     return before.get(method.split()[0]) if samples.isdecimal() else None if key == "paper" else "paper"
 
 
 def ratio(rows: Sequence[Mapping], key: str, other: str, column: int = MEDIAN) -> float:
-    """A frame's time over that of another. All are drawn in turn, so that a slow moment of the machine meets both."""
+    """Return a frame's time over another's. Frames are drawn in turn, so that a slow moment of the machine affects
+    both.
+    """
     times = {row["key"]: row["whole"][column] for row in rows}
     return times[key] / times[other]
 
 
 def broken(rows: Sequence[Mapping]) -> list[str]:
-    """A line for each of BOUNDS that does not hold.
+    """Return a line for each of BOUNDS that is exceeded.
 
-    Judged is the tenth percentile of the draws: what else the machine does can only make a draw slower.
+    The 10th percentile of the draws is used, because other work on the machine can only slow a draw down.
     """
     ratios = {pair: ratio(rows, *pair, LOW) for pair in BOUNDS}
     return [
@@ -132,7 +143,7 @@ time over: its time as a multiple of the time of another"""
 
 
 def table(rows: Sequence[Mapping]) -> Table:
-    """All frames, for the terminal."""
+    """Return a table of all frames for the terminal."""
     shown = Table("method", "passes", "fetches", "bytes", "ms", "time over", box=None)
     keys = {row["key"] for row in rows}
     for row in rows:
@@ -164,7 +175,7 @@ def bench(
     folder: Annotated[Path | None, typer.Option("--pack", metavar="DIR", help="A folder that times any GPU.")] = None,
     wheels: Annotated[bool, typer.Option("--wheels", help="With --pack: and what Linux x86-64 needs, 5 MB.")] = False,
 ) -> None:
-    """Time of the methods against the paper's, and Table 1 of the paper."""
+    """Time the methods against the paper's, and reproduce Table 1 of the paper."""
     sizes = [terminal.parsed_size(text, 16, 8192) for text in ([size] if size else PACK_SIZES if folder else [SIZE])]
     if folder:
         if driver or adapter or json_file or judge:
@@ -181,7 +192,7 @@ def bench(
         rounds, every = max(rounds, JUDGED_ROUNDS), {key: every[key] for key in sorted(set(chain(*BOUNDS)))}
     device, timer, rows = timed(every, name, adapter, pixels, rounds)
     terminal.tell(device, f"{SCENE.name} at {pixels[0]} x {pixels[1]}, {rounds} rounds", LEGEND)
-    # a pipe has no width of its own
+    # a pipe has no width
     Console(width=None if terminal.console.is_terminal else 120).print(table(rows))
     if not script.AGREES[0] <= timer <= script.AGREES[1]:
         terminal.tell(script.DISAGREES.format(timer))

@@ -1,4 +1,4 @@
-"""The frames of a pack in each language: WGSL by script.py itself, HLSL by way of DXC, GLSL on OpenGL."""
+"""Draw the frames of a pack in each language: WGSL with script.py itself, HLSL through DXC, GLSL on OpenGL."""
 
 import time
 import zlib
@@ -10,25 +10,25 @@ from bokeh_validation.drivers import gl
 from bokeh_validation.shaders.passes import SLOTS
 from lab.bench import script
 
-# WebGPU's name of a format -> channels and kind of number of moderngl
+# Format -> channels and number type in moderngl
 CHANNELS = {"RGBA16F": (4, "f2"), "R32F": (1, "f4")}
 Frames = dict[str, "script.Frame | OpenGLFrame"]
 
 
 def constants(plan: dict, item: dict) -> dict[str, float]:
-    """What the program of a pass is compiled with."""
+    """Return the constants that the program of a pass is compiled with."""
     return (plan["preset"] or {}).get("stands_for", {}) | item["constants"]
 
 
 class OpenGL:
-    """A context, and the pictures of a folder in it."""
+    """Hold an OpenGL context with the images of a folder."""
 
     def __init__(self, adapter: str | None, folder: Path):
         self.driver, self.folder = gl.EGL(adapter), folder
         self.context, self.device = self.driver.context, self.driver.adapter
 
     def texture(self, size: list[int], kind: str, file: Path | None = None):
-        """As script.GPU's: of zeros, or of a file."""
+        """Create a texture of zeros, or with the content of a file; see script.GPU.texture()."""
         channels, number = CHANNELS[kind]
         data = zlib.decompress(file.read_bytes()) if file else bytes(size[0] * size[1] * script.FORMATS[kind][1])
         made = self.context.texture(tuple(size), channels, data, alignment=1, dtype=number)
@@ -37,7 +37,7 @@ class OpenGL:
 
 
 class OpenGLFrame:
-    """A plan of frames.json in GLSL, with what script.measured() takes of a script.Frame."""
+    """Draw a plan of frames.json in GLSL; has the members of script.Frame that script.measured() uses."""
 
     def __init__(self, device: OpenGL, plan: dict, pool: dict):
         self.device, self.plan = device, plan
@@ -46,7 +46,7 @@ class OpenGLFrame:
         self.steps = [self._step(item, plan["parameters"] | item["changes"]) for item in plan["passes"]]
 
     def _step(self, item: dict, values: dict[str, float]) -> tuple:
-        """(program, its values, (texture, unit, sampler) of each input, targets)."""
+        """Return (program, its values, (texture, unit, sampler) of each input, targets)."""
         array = self.device.driver.program(shaders.glsl(item["entry"], "330", constants(self.plan, item)))
         targets = self.device.context.framebuffer([self.textures[name] for name in item["targets"]])
         samplers = self.device.driver.samplers
@@ -57,7 +57,9 @@ class OpenGLFrame:
         return array, {name: value for name, value in values.items() if name in array.program}, bound, targets
 
     def drawn(self, repeats: int = 1) -> tuple[float, list[list[float]]]:
-        """As script.Frame's; OpenGL times the passes one by one, so nothing is between two of them."""
+        """Draw and time like script.Frame.drawn(); OpenGL times each pass alone, so gaps between passes are not
+        included.
+        """
         self.device.driver.make_current()
         context = self.device.context
         queries = [[context.query(time=True) for _ in self.steps] for _ in range(repeats)]
@@ -82,20 +84,20 @@ class OpenGLFrame:
 
 
 def glsl(adapter: str | None, folder: Path, plans: dict[str, dict]) -> tuple[str, Frames]:
-    """(device, frames) on OpenGL by EGL. Raises Unavailable."""
+    """Return (device, frames) on OpenGL through EGL. Raises Unavailable."""
     device, pool = OpenGL(adapter, folder), {}
     return device.device, {key: OpenGLFrame(device, plan, pool) for key, plan in plans.items()}
 
 
 def wgsl(adapter: str | None, folder: Path, plans: dict[str, dict]) -> tuple[str, Frames]:
-    """(device, frames) on Vulkan, Metal or Direct3D 12 by wgpu."""
+    """Return (device, frames) on Vulkan, Metal or Direct3D 12 through wgpu."""
     gpu, pool = script.GPU(adapter or "", folder), {}
     module = gpu.device.create_shader_module(code=shaders.wgsl())
     return gpu.name, {key: script.Frame(gpu, plan, module, pool) for key, plan in plans.items()}
 
 
 def hlsl(adapter: str | None, folder: Path, plans: dict[str, dict]) -> tuple[str, Frames]:
-    """(device, frames) of DXC's SPIR-V, where wgsl()'s are. Raises Unavailable."""
+    """Return (device, frames) of DXC's SPIR-V on the same devices as wgsl(). Raises Unavailable."""
     from bokeh_validation.compilers import dxc
 
     dxc.load()
@@ -115,5 +117,5 @@ def hlsl(adapter: str | None, folder: Path, plans: dict[str, dict]) -> tuple[str
     return gpu.name, {key: script.Frame(gpu, plan, None, pool, stages) for key, plan in plans.items()}
 
 
-# What --driver takes -> what draws with it
+# Name of a driver -> function that makes its frames
 DRIVERS: dict[str, Callable] = {"egl": glsl, "wgpu": wgsl, "dxc": hlsl}

@@ -1,4 +1,7 @@
-"""`validation/run bench --pack DIR`: a folder that times the methods wherever Python and a GPU are; see script.py."""
+"""Write a folder that times the methods on any machine with Python and a GPU: `validation/run bench --pack DIR`.
+
+See script.py.
+"""
 
 import json
 import re
@@ -14,7 +17,7 @@ from bokeh_validation.frame import methods
 from bokeh_validation.numerics.images import Textures
 from lab.bench import script
 
-# wgpu and what it imports here, of the lock file; on macOS also what that, made on Linux, does not know
+# wgpu and the packages that it imports, from the lock file; the lock was made on Linux, so what macOS needs is added
 NEEDED = r"(?m)^(?:cffi|pycparser|wgpu)==.*\n(?: +--hash.*\n)+"
 MACOS = "--hash=sha256:3dc76bc29f300ee6b9a4f408748099f70f8472ca59fe70cca42dfa1f2f1bfe3f"
 MACOS = f'rubicon-objc==0.5.7 ; sys_platform == "darwin" {MACOS}\n'
@@ -25,9 +28,11 @@ LOADER = Path("/usr/lib/x86_64-linux-gnu/libvulkan.so.1")  # containers with NVI
 
 
 def fill(folder: Path, settings: Mapping[str, methods.Settings], pictures: Sequence[Textures], wheels: bool) -> None:
-    """Write it all to a folder; `wheels`: with what Linux x86-64 needs. Raises UserError.
+    """Write everything to a folder. Raises UserError.
 
-    pictures  of each size that is drawn 'color' (H, W, 4) float16 and 'depth' (H, W) float32, metres
+    settings  name -> settings of a frame
+    pictures  for each size, 'color' (H, W, 4) float16 and 'depth' (H, W) float32, metres
+    wheels    whether to include what Linux x86-64 needs
     """
     sizes = {}
     for color, depth in ((images["color"], images["depth"]) for images in pictures):

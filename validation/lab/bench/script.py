@@ -1,9 +1,10 @@
-"""Times depth of field on this machine's GPU, each pass by the GPU's timestamps. Needs Python 3.11 and what is here:
+"""Time depth of field on this machine's GPU, each pass with the GPU's timestamps. Needs Python 3.11 and this folder:
 
     python3 -m pip install --no-deps -r requirements.txt    # with a folder wheels: --no-index --find-links wheels too
     python3 bench.py                                        # a minute; writes times.json, the file to send in
 
-frames.json has what `validation/run plan` prints of each method. All are drawn in turn, in another order every round.
+frames.json has what `validation/run plan` prints for each method. All frames are drawn in turn, in a different order
+each round.
 """
 
 import argparse
@@ -20,31 +21,31 @@ from datetime import date
 from pathlib import Path
 
 HERE = Path(__file__).resolve().parent
-FORMATS = {"RGBA16F": ("rgba16float", 8), "R32F": ("r32float", 4)}  # WebGPU's name, bytes of a texel
+FORMATS = {"RGBA16F": ("rgba16float", 8), "R32F": ("r32float", 4)}  # WebGPU's name, bytes per texel
 PICTURES = {"color": "RGBA16F", "depth buffer": "R32F"}
 BACKENDS, KINDS = ("Vulkan", "Metal", "D3D12"), ("DiscreteGPU", "IntegratedGPU", "Unknown", "CPU")
 TIMER, MOST_STAMPS = "timestamp-query", 4096  # timestamps of a query set
-SHORTEST, ROUNDS = 0.02, 3  # seconds: what is shorter is drawn again and again; the fewest rounds
+SHORTEST, ROUNDS = 0.02, 3  # seconds: shorter frames are drawn repeatedly; the minimum of rounds
 COLUMNS = ("pass", "median ms", "a tenth is below", "nine tenths are below")
-AGREES = (0.8, 1.05)  # share of the time on the clock that the timer has to show: there is little besides
+AGREES = (0.8, 1.05)  # range of the fraction of the elapsed time that the timer must report
 
 DISAGREES = "Not to be trusted: the timer shows {:.2f} of the time on the clock."
 
 
 def refuse(text: str) -> None:
-    """End with one line."""
+    """Print one line and exit with code 2."""
     print(f"error: {text}", file=sys.stderr)
     sys.exit(2)
 
 
 class GPU:
-    """The adapter that has a part of its name, a GPU before a CPU."""
+    """Choose the adapter whose name contains `part`, preferably a GPU, and create a device on it."""
 
     def __init__(self, part: str = "", folder: Path = HERE):
         self.folder, loader = folder, folder / "wheels" / "libvulkan.so.1"
         if loader.exists() and not ctypes.util.find_library("vulkan"):
-            ctypes.CDLL(str(loader))  # from here on found by its name
-        os.environ.setdefault("XDG_RUNTIME_DIR", "/tmp")  # or Mesa complains on standard error
+            ctypes.CDLL(str(loader))  # other code then finds it by its name
+        os.environ.setdefault("XDG_RUNTIME_DIR", "/tmp")  # otherwise Mesa complains on standard error
         try:
             import wgpu
         except ImportError as error:
@@ -61,7 +62,7 @@ class GPU:
         self.tick = period(self.device.queue._internal) * 1e-6  # milliseconds; on AMD a tick has 10 ns
 
     def texture(self, size: list[int], kind: str, file: Path | None = None):
-        """Of zeros, or of a file."""
+        """Create a texture of zeros, or with the content of a file."""
         use, (name, texel) = self.wgpu.TextureUsage, FORMATS[kind]
         use = use.RENDER_ATTACHMENT | use.COPY_SRC | use.COPY_DST | use.TEXTURE_BINDING
         made = self.device.create_texture(size=(*size, 1), format=name, usage=use)
@@ -72,7 +73,7 @@ class GPU:
 
 
 def wgsl(gpu: GPU, plan: dict, item: dict, module) -> tuple[dict, dict]:
-    """The vertex stage and the fragment stage of a pass, of the shaders as they are."""
+    """Return the vertex and the fragment stage of a pass, from the unchanged shaders."""
     program = plan["programs"]["wgsl"]
     constants = (plan["preset"] or {}).get("stands_for", {}) | item["constants"]
     fragment = {"entry_point": program["entry"].format(**item)}
@@ -81,7 +82,7 @@ def wgsl(gpu: GPU, plan: dict, item: dict, module) -> tuple[dict, dict]:
 
 
 def textures(gpu, plan: dict, pool: dict) -> dict:
-    """Name -> texture of `gpu`, of a plan of frames.json; `pool` has those that several plans share."""
+    """Return name -> texture on `gpu` for a plan of frames.json; `pool` holds textures that plans share."""
     found = {}
     for texture in plan["textures"]:
         name, size, kind = texture["name"], texture["size"], texture["format"] or PICTURES[texture["name"]]
@@ -92,7 +93,10 @@ def textures(gpu, plan: dict, pool: dict) -> dict:
 
 
 class Frame:
-    """A plan of frames.json. `stages` makes a pass's stages, as wgsl() does, with what `program` is."""
+    """Draw a plan of frames.json.
+
+    stages  makes the stages of a pass from `program`, like wgsl()
+    """
 
     def __init__(self, gpu: GPU, plan: dict, program, pool: dict, stages=wgsl):
         self.gpu, self.plan, self.textures = gpu, plan, textures(gpu, plan, pool)
@@ -100,7 +104,7 @@ class Frame:
         self.steps = [self._step(item, plan["parameters"] | item["changes"]) for item in plan["passes"]]
 
     def _step(self, item: dict, values: dict[str, float]) -> tuple:
-        """(pipeline, bind group, targets)."""
+        """Return (pipeline, bind group, targets)."""
         device, wgpu, plan = self.gpu.device, self.gpu.wgpu, self.plan
         block = struct.pack(f"{len(values)}f", *map(values.get, plan["block"]["order"]))
         block = block.ljust(4 * plan["block"]["floats"], b"\0")
@@ -125,7 +129,9 @@ class Frame:
         return pipeline, device.create_bind_group(layout=layout, entries=bound), targets
 
     def drawn(self, repeats: int = 1) -> tuple[float, list[list[float]]]:
-        """Draw so often without a pause: milliseconds on the clock, and timestamps of each, two for every pass."""
+        """Draw `repeats` times without a pause; returns the elapsed milliseconds, and for each draw two timestamps per
+        pass.
+        """
         device, use, count = self.gpu.device, self.gpu.wgpu.BufferUsage, 2 * len(self.steps)
         encoder, total = device.create_command_encoder(), count * repeats
         answer = device.create_buffer(size=8 * total, usage=use.QUERY_RESOLVE | use.COPY_SRC)
@@ -140,13 +146,16 @@ class Frame:
         encoder.resolve_query_set(stamps["query_set"], 0, total, answer, 0)
         commands, begin = encoder.finish(), time.perf_counter()
         device.queue.submit([commands])
-        ticks = struct.unpack(f"{total}Q", device.queue.read_buffer(answer))  # waits for the end
+        ticks = struct.unpack(f"{total}Q", device.queue.read_buffer(answer))  # waits until the GPU has finished
         wall, times = (time.perf_counter() - begin) * 1e3, [(tick - ticks[0]) * self.gpu.tick for tick in ticks]
         return wall, [times[first : first + count] for first in range(0, total, count)]
 
 
 def measured(frames: dict, seconds: float, rounds: int = ROUNDS) -> dict:
-    """The timer's share of the clock; each frame's and its passes' COLUMNS, of `rounds` rounds or more."""
+    """Time frames in at least `rounds` rounds and `seconds` seconds.
+
+    Returns the fraction of the elapsed time that the timer reports, and COLUMNS of each frame and its passes.
+    """
     repeats, shares, seen = {}, [], {key: [] for key in frames}
     for key, frame in frames.items():
         frame.drawn()  # compiles what is compiled on first use
@@ -168,7 +177,7 @@ def measured(frames: dict, seconds: float, rounds: int = ROUNDS) -> dict:
 
 
 def show(size: str, found: dict) -> None:
-    """A table for each method, a row for each pass."""
+    """Print a table for each method, with a row for each pass."""
     print(f"\n{size}, milliseconds, median")
     for method in dict.fromkeys(key.split()[0] for key in found["frames"]):
         columns = {key.partition(" ")[2]: rows for key, rows in found["frames"].items() if key.split()[0] == method}
@@ -180,7 +189,7 @@ def show(size: str, found: dict) -> None:
 
 
 def main() -> None:
-    """The command line."""
+    """Run the command line."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.error = refuse
     parser.add_argument("--adapter", default="", help="part of a device's name")

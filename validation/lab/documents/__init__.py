@@ -1,1 +1,1 @@
-"""The pictures of the documents: what draws each of them, and what is recorded of each."""
+"""Draw the documents' images, and record what each was drawn with."""

@@ -1,16 +1,16 @@
-"""docs/images/flip_by_method.svg: the mean FLIP of every method and effect, and each scene, from docs/data."""
+"""Draw docs/images/flip_by_method.svg: FLIP of every method and effect, mean and by scene, from docs/data."""
 
 from html import escape
 
 from bokeh_validation.generate import results
 
-# Lengths in pixels of the drawing; FLIP at its right border
+# Lengths in pixels of the drawing; MOST is the FLIP at the right border
 LEFT, TOP, ROW, WIDTH, MOST = 200, 20, 24, 560, 0.56
 OURS, OTHERS, DOT = "#2f7d6d", "#9aa5b1", "#222"
 
 
 def _x(flip: float) -> float:
-    """Return where a FLIP is, in pixels from the left."""
+    """Return the horizontal position of a FLIP, in pixels from the left."""
     return round(LEFT + WIDTH * flip / MOST, 1)
 
 

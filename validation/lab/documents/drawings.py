@@ -1,4 +1,4 @@
-"""The table of the documents' pictures: which function draws which files, with which shaders, from which inputs."""
+"""List the documents' images: the function that draws each, its shaders and its inputs."""
 
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
@@ -19,26 +19,26 @@ from lab.rasterised import motion, random_score
 
 
 class Animation(NamedTuple):
-    """8-bit rgb frames, milliseconds that each is shown, quality of the WebP."""
+    """Hold 8-bit rgb frames, milliseconds per frame, and the quality of the WebP."""
 
     frames: list[np.ndarray]
     milliseconds: int
     quality: int
 
 
-# A text is an SVG
+# Name -> image; a text is an SVG
 Drawn = dict[str, np.ndarray | Animation | str]
 
 
 @dataclass(frozen=True)
 class Drawing:
-    """Pictures that one function draws.
+    """Describe images that one function draws.
 
-    names    of their files, without suffix
-    draw     driver -> name -> picture. Raises Unavailable where this machine lacks what it needs
-    stems    files of the shaders that it draws with
-    inputs   files that it reads
-    folder   below the repository's root
+    names   of their files, without suffix
+    draw    driver -> name -> image. Raises Unavailable if this machine lacks something that it needs
+    stems   shader files that it draws with
+    inputs  files that it reads
+    folder  below the repository's root
     """
 
     names: tuple[str, ...]
@@ -48,8 +48,8 @@ class Drawing:
     folder: str = "docs/images"
 
     def digest(self) -> str:
-        """A hash of the text of the shaders, without comments, and of the inputs. It is another when these change."""
-        # the languages are held to be the same, and a comment draws nothing
+        """Return a hash of the shaders' text, without comments, and of the inputs, which changes if any of these do."""
+        # the languages are known to be equivalent, and comments draw nothing
         texts = [shaders.COMMENT.sub("", shaders.file_text("glsl", stem)) for stem in self.stems]
         return locks.digest([*(" ".join(text.split()) for text in texts), *self.inputs])
 
@@ -57,49 +57,49 @@ class Drawing:
 PAPER, LAYERED = ("bokeh", "bokeh_paper", "bokeh_passes"), ("bokeh", "bokeh_layers", "bokeh_passes")
 ALL = ("bokeh", "bokeh_paper", "bokeh_layers", "bokeh_lens", "bokeh_passes")
 MARKET, CANOPY = ray_traced.MARKET, ray_traced.CANOPY
-# Of docs/results.md: seeds of the random scenes
+# Seeds of the random scenes in docs/results.md
 SEEDS = range(80)
 
 
 def cats_eye(driver: Driver) -> Drawn:
-    """What docs/methods/character.md has a command for."""
+    """Draw the cat's eye for which docs/methods/character.md gives a command."""
     image = truth.picture(driver, MARKET, "layered ultra", "octagon", cats_eye=0.6)
     return {"character_cats_eye": pictures.display(image, tone_map=True)}
 
 
 def worst(driver: Driver) -> Drawn:
-    """The worst places of random scenes by layered medium."""
+    """Draw the worst places of random scenes by layered medium."""
     return {"random_worst": random_score.sheet(random_score.by_processes(["layered medium"], driver.name, None, SEEDS))}
 
 
 def pan(driver: Driver) -> Drawn:
-    """A pan by two methods beside the truth."""
+    """Draw a pan by two methods next to the truth."""
     _, frames = motion.measured("pan", list(motion.SHOWN), driver.name)
     return {"motion_pan": Animation(frames, motion.MILLISECONDS, motion.QUALITY)}
 
 
 def focus_pull(driver: Driver) -> Drawn:
-    """The README's first picture."""
+    """Draw the README's first image."""
     return {"focus_pull": Animation(gallery.pull(driver), gallery.PULL_MILLISECONDS, gallery.PULL_QUALITY)}
 
 
 def graph(_: Driver) -> Drawn:
-    """The passes and textures of `layered`, which docs/methods/layered.md shows."""
+    """Draw the passes and textures of `layered` for docs/methods/layered.md."""
     return {"frame_graph": frame_graph.draw()}
 
 
 def flip_by_method(_: Driver) -> Drawn:
-    """The chart of docs/results.md."""
+    """Draw the chart of docs/results.md."""
     return {"flip_by_method": chart.draw()}
 
 
 def others(_: Driver, name: str) -> Drawn:
-    """Other effects beside ours, in Chromium; on the device that they are on."""
+    """Draw other effects next to this package's methods in Chromium, all on the same device."""
     return {f"peers_{name}": other_effects.of_scene(name, list(EFFECTS), anew=False)[1]}
 
 
 def files_of(scene: ray_traced.SceneFile) -> tuple[Path, ...]:
-    """The pinhole picture of a scene, and its truth."""
+    """Return the pinhole image of a scene and its truth."""
     return scene.source, paths.SCENES / f"{scene.name}_hex.exr"
 
 

@@ -1,4 +1,4 @@
-"""The figures of the paper that shaders draw, as docs/paper.md shows them.
+"""Draw those figures of the paper that shaders can draw, as shown in docs/paper.md.
 
 Photographs come from an npm package. Points, their shapes and their true light are those of the probes.
 """
@@ -32,39 +32,39 @@ VIEWS = {
     "b": ("workshop", "octagon", 150.0, 15.0),
     "c": ("warehouse", "octagon", 110.0, 12.0),
 }
-# Degrees that a picture is wide
+# Horizontal field of view, degrees
 FIELD_OF_VIEW = 80.0
 PHOTOGRAPH_SIZE, PHOTOGRAPH_COC = (400, 300), 0.1
-# What the middle brightness of a panorama becomes: dark enough for its lights to stand out
+# Value to which a panorama's median is scaled: dark enough for its lights to stand out
 MEDIAN = 0.2
 HALF_MAX = 65504.0
-# Metres. Wider than the scene's own lens, so that what the figures are about is large enough to be seen.
+# Metres; wider than the scene's own lens, so that the effects that the figures show are large enough
 WIDE_APERTURE = 0.15
-# Left, top, width, height
+# Left, top, width, height, pixels
 BRANCHES, CROWN = (100, 60, 190, 150), (310, 0, 150, 120)
-# Dark enough to tell the gaps' shapes from the sky
+# Dark enough to distinguish the gaps' shapes from the sky
 CANOPY_EXPOSURE = 0.4
 
-# Samples of the points' truth across a CoC: two a pixel, as the probes' inputs have
+# Samples of the points' truth across a CoC: two per pixel, like the probes
 CELLS = 2 * impulse.COC
-# Size of the image, the border that nothing reaches, and the blocks that pixels are shown as
+# Size of the image, the border that nothing reaches, and the zoom factor
 ONE_POINT, TWO_POINTS = ((88, 76), (0, 0), 3), (two_points.SIZE, (20, 8), 2)
-# Of a highlight of the paper's method on the display: two on top of each other are not cut off
+# Display value of a highlight by the paper's method; two on top of each other are not clipped
 PLATEAU = 0.4
 
 
 def tone_mapped(image: np.ndarray, exposure: float = 1.0, zoom: int = 1) -> np.ndarray:
-    """Linear rgb by x / (1 + x) as 8 bits, each pixel as a block of `zoom` x `zoom`."""
+    """Tone-map linear rgb by x / (1 + x) to 8 bits, with each pixel as a block of `zoom` x `zoom`."""
     return pictures.enlarged(pictures.display(image, exposure, tone_map=True), zoom)
 
 
 def panorama(name: str) -> np.ndarray:
-    """An equirectangular photograph of @pmndrs/assets, linear rgb (H, W, 3) float64. Raises Unavailable."""
+    """Read an equirectangular photograph of @pmndrs/assets, linear rgb (H, W, 3) float64. Raises Unavailable."""
     try:
         modules = pages.installed(Path(__file__).parent)
     except RuntimeError as error:
         raise Unavailable(f"the photographs could not be downloaded: {str(error).splitlines()[0]}") from error
-    # a JavaScript module with the file in base64
+    # the file is in a JavaScript module, as base64
     module = (modules / "@pmndrs/assets/hdri" / f"{name}.exr.js").read_text(encoding="ascii")
     with tempfile.TemporaryDirectory() as folder:
         file = Path(folder, f"{name}.exr")
@@ -73,9 +73,10 @@ def panorama(name: str) -> np.ndarray:
 
 
 def without_negative(image: np.ndarray) -> np.ndarray:
-    """(H, W, 3) with the median of the neighbourhood where a channel is below 0.
+    """Return an image (H, W, 3) with pixels that have a negative channel replaced by the median of their
+    neighbourhood.
 
-    The package's panoramas were scaled down with a filter that rings: lights have dark rims, down to below 0.
+    The package's panoramas were scaled down with a filter that rings: lights have dark rims, down to negative values.
     """
     padded = np.pad(image, ((1, 1), (1, 1), (0, 0)), mode="edge")
     neighbours = np.lib.stride_tricks.sliding_window_view(padded, (3, 3), axis=(0, 1))
@@ -84,23 +85,23 @@ def without_negative(image: np.ndarray) -> np.ndarray:
 
 
 def perspective(image: np.ndarray, yaw: float, pitch: float) -> np.ndarray:
-    """What a camera sees of a panorama (H, W, C), float64 of PHOTOGRAPH_SIZE; angles as in VIEWS."""
+    """Return what a camera sees of a panorama (H, W, C), float64 of PHOTOGRAPH_SIZE; angles as in VIEWS."""
     pixel = tan(radians(FIELD_OF_VIEW / 2)) / (PHOTOGRAPH_SIZE[0] / 2)
     x, y = np.meshgrid(*((np.arange(extent) + 0.5 - extent / 2) * pixel for extent in PHOTOGRAPH_SIZE))
-    # the camera looks along z, y down; pitch first, then yaw
+    # the camera looks along z, y down; pitch is applied first, then yaw
     cosine, sine = np.cos(radians(pitch)), np.sin(radians(pitch))
     up, ahead = -y * cosine + sine, y * sine + cosine
     longitude = np.arctan2(x, ahead) + radians(yaw)
     latitude = np.arctan2(up, np.hypot(x, ahead))
     height, width = image.shape[:2]
     column = (longitude / (2 * np.pi) + 0.5) % 1.0 * width
-    # its last column is beside its first
+    # its last column adjoins its first
     around = np.pad(image, ((0, 0), (1, 1), (0, 0)), mode="wrap")
     return sampling.bilinear(around, column + 1.0, (0.5 - latitude / np.pi) * height)
 
 
 def photographs(driver: Driver) -> Pictures:
-    """Figure 1: each photograph as it is, and with the same blur everywhere, as from a constant depth."""
+    """Draw Figure 1: each photograph, and the same with constant blur, as from a constant depth."""
     found = {}
     for letter, (name, aperture, yaw, pitch) in VIEWS.items():
         image = panorama(name)
@@ -116,14 +117,14 @@ def photographs(driver: Driver) -> Pictures:
 
 
 def canopy_case(method: str, diameter: float, **settings) -> Case:
-    """canopy_12 through a hexagon; diameter of the aperture in metres."""
+    """Return a case of canopy_12 through a hexagon; `diameter` of the aperture is in metres."""
     case = ray_traced.scene_case(ray_traced.CANOPY, method, "hexagon")
     camera = replace(ray_traced.CANOPY.camera, aperture_diameter=diameter)
     return replace(case, settings=replace(case.settings, camera=camera, **settings))
 
 
 def coc_blur(driver: Driver) -> Pictures:
-    """Figure 7: branches with the CoC averaged like the colour, and with the CoC left alone."""
+    """Draw Figure 7: branches with the CoC averaged like the colour, and with the CoC unchanged."""
     panels = []
     for caption, blurred in (("(a) CoC blurred with the colour", True), ("(b) CoC not blurred", False)):
         image = drawn(driver, canopy_case("paper", WIDE_APERTURE, blur_coc=blurred))
@@ -132,7 +133,7 @@ def coc_blur(driver: Driver) -> Pictures:
 
 
 def canopy(driver: Driver) -> Pictures:
-    """Figure 11, gaps of a canopy as hexagons: whole, a detail of it, and that detail with the scene's own lens."""
+    """Draw Figure 11, gaps of a canopy as hexagons: whole, a detail, and the detail with the scene's own lens."""
     details = []
     for diameter in (WIDE_APERTURE, ray_traced.CANOPY.camera.aperture_diameter):
         paper = canopy_case("paper", diameter)
@@ -150,14 +151,17 @@ def canopy(driver: Driver) -> Pictures:
     caption, (wide, own) = f"paper, hexagon, 13 samples a line, aperture {1000 * WIDE_APERTURE:g} mm", details
     return {
         "figure_11": pictures.grid([[Captioned(whole, caption)]]),
-        # the lens is the scene's own
+        # this truth was ray traced with the scene's own lens only
         "figure_11_wide": pictures.grid([wide[:3]]),
         "figure_11_own": pictures.grid([own[:2], own[2:]]),
     }
 
 
 def point_panel(driver: Driver, caption: str, method: str, aperture: str, places: Sequence, kind: tuple) -> Captioned:
-    """Bright pixels at (column, row) by 'paper' or 'exact', or the 'truth' for the paper, without the ambient light."""
+    """Draw bright pixels at (column, row) by 'paper' or 'exact', or as the paper's 'truth', without the ambient light.
+
+    kind  size of the image, border to crop, zoom factor
+    """
     size, border, zoom = kind
     settings = impulse.constant_coc(aperture, 0.0, size)
     case = Case(aperture, settings, highlight.impulse_image(places, size), depth_of(size, 10.0))
@@ -175,13 +179,13 @@ def point_panel(driver: Driver, caption: str, method: str, aperture: str, places
 
 
 def by_each_method(driver: Driver, aperture: str, caption: str, places: Sequence, kind: tuple) -> list[Captioned]:
-    """The paper, exact where it has the aperture, and the truth."""
+    """Draw points by the paper's method, by exact if it has the aperture, and as the truth."""
     shown = [(caption, "paper"), *([("exact", "exact")] if aperture in methods.EXACT else []), ("truth", "truth")]
     return [point_panel(driver, *panel, aperture, places, kind) for panel in shown]
 
 
 def apertures_of_points(driver: Driver) -> Pictures:
-    """Figure 9: a point through each aperture. Figure 12: of two, light where there is none."""
+    """Draw Figure 9, a point through each aperture, and Figure 12, two points with false light between them."""
     middle, rows = [(ONE_POINT[0][0] // 2, ONE_POINT[0][1] // 2)], {"figure_09": [], "figure_12": []}
     for letter, aperture, combined in (("a", "hexagon", "min"), ("b", "octagon", "min"), ("c", "star", "max")):
         caption = f"({letter}) paper, {aperture}"
@@ -193,7 +197,9 @@ def apertures_of_points(driver: Driver) -> Pictures:
 
 
 def two_under_max(driver: Driver) -> Pictures:
-    """Figure 13: overlapping highlights that do not add up. As exact has no star: octagons, nearer together."""
+    """Draw Figure 13: overlapping highlights that do not add up. exact has no star, so it shows octagons, closer
+    together.
+    """
     (width, height), places = two_points.SIZE, two_points.points("star")
     apart = (places[1][0] - places[0][0]) // 4
     near = [(width // 2 + side * apart, height // 2 + 4 * side) for side in (-1, 1)]

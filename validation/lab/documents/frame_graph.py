@@ -1,4 +1,4 @@
-"""docs/images/frame_graph.svg: which pass writes and reads which texture, drawn from a frame of integration/frames."""
+"""Draw docs/images/frame_graph.svg: which pass writes and reads which texture, from a frame of integration/frames."""
 
 import json
 from collections.abc import Sequence
@@ -10,7 +10,7 @@ from bokeh_validation import paths
 FRAME = paths.ROOT / "integration/frames/layered-hexagon.json"
 # Lengths in pixels of the drawing
 LEFT, TOP, COLUMN, ROW, MARGIN = 150, 150, 52, 20, 40
-# Scale of a target -> colour of its line: a darker one is a larger target
+# Scale of a target -> colour of its line; larger targets are darker
 COLORS = {1: "#1b3a5c", 2: "#2f7d6d", 4: "#c77d1e", 8: "#a04668"}
 STYLE = (
     "text{font:12px sans-serif;fill:#222}.axis{fill:#555}.row{stroke:#e4e4e4}.life{stroke-width:4;stroke-linecap:round}"
@@ -18,7 +18,7 @@ STYLE = (
 
 
 def title(entry: str) -> str:
-    """The name of a pass as the page has it: without the prefix, and without the polygon."""
+    """Return the name of a pass as on the page: without prefix and polygon."""
     return entry.removeprefix("Bokeh").replace("Hexagon", "")
 
 

@@ -1,4 +1,4 @@
-"""Pictures of the documents on market_7, shapes, focus, colour and a pull of focus."""
+"""Draw the documents' images of market_7: shapes, focus, colour and a focus pull."""
 
 from dataclasses import replace
 
@@ -12,29 +12,29 @@ from bokeh_validation.probes.model import drawn as drawn_case
 from bokeh_validation.truth import ray_traced
 
 CAMERA = ray_traced.MARKET.camera
-# left, top, width, height: far lights on the left, near ones among leaves on the right; towards a corner, for lateral
+# left, top, width, height: far lights on the left and near ones among leaves on the right; a corner, for lateral
 # colour; lights in the middle, for axial colour
 DETAIL, CORNER, MIDDLE = (626, 20, 320, 258), (660, 0, 300, 180), (330, 0, 300, 180)
-NEAR = replace(CAMERA, aperture_diameter=0.17, focus_distance=1000.0)  # of lights that are 8 metres away
+NEAR = replace(CAMERA, aperture_diameter=0.17, focus_distance=1000.0)  # for lights at a distance of 8 metres
 LATERAL = {"aperture": "octagon", "cut": CORNER, "preset": "ultra"}
 AXIAL = {"method": "exact", "aperture": "octagon", "exposure": 1.0, "metres": 8.0, "cut": MIDDLE}
 AXIAL |= {"spacing": 1.0, "samples": 65}
-# more signed CoC of red and of blue
+# change of the signed CoC for red and for blue
 LENSES = {"plain lens": {"axial": (-0.005, 0.011)}, "achromat": {"axial": (-0.008, -0.008)}}
 
-# The loop: metres that are focused first and last, frames on the way, milliseconds of each, quality of the WebP
+# The loop: first and last focus distance in metres, number of frames, milliseconds per frame, quality of the WebP
 NEAREST, FARTHEST, PULL_FRAMES, PULL_MILLISECONDS, PULL_QUALITY = 0.9, 8.0, 24, 70, 75
 
-# docs/artists.md: the left lights and the leaves, smaller; the lens is f/2.8 at a bokeh scale of 4
+# docs/artists.md: the lights and leaves at the left, smaller; the lens is f/2.8 at a bokeh scale of 4
 LIGHTS = (626, 20, 240, 200)
 
 
 def wider(stop: float, scale: float, **changes: float) -> methods.Camera:
-    """The lens of the scene at another f-stop and bokeh scale."""
+    """Return the scene's lens with another f-stop and bokeh scale."""
     return replace(CAMERA, aperture_diameter=scale * CAMERA.focal_length / stop, **changes)
 
 
-# Control -> caption -> what drawn() takes
+# Control -> caption -> arguments of drawn()
 CONTROLS = {
     "f_stop": {f"f/{stop}": {"camera": wider(stop, 4.0), "cut": LIGHTS} for stop in (8.0, 5.6, 2.8)},
     "bokeh_scale": {f"bokeh scale {scale}": {"camera": wider(2.8, scale), "cut": LIGHTS} for scale in (0.0, 1.0, 4.0)},
@@ -58,16 +58,16 @@ CONTROLS = {
     "preset": {f"preset {name.upper()}": {"preset": name, "cut": LIGHTS} for name in ("low", "medium", "high")},
 }
 
-# The CoC in pixels that is shown at full brightness, in targets of `layered` with near CoC in r and far CoC in g
+# CoC in pixels that is shown at full brightness, in targets of `layered` with near CoC in r and far CoC in g
 MOST_SHOWN = 64.0
 OF_COC = ("tiles", "dilated tiles", "layer coc", "gather tiles")
-# and targets with colour
+# targets with colour
 TARGETS = (
     ("near", "near quarter", "near strip 2", "near blurred"),
     ("far", "far quarter", "far strip 2", "far blurred"),
     ("mid with holes", "mid fill", "far with holes", "far fill"),
 )
-# file -> rows of pictures: caption -> what drawn() takes
+# file -> rows of images: caption -> arguments of drawn()
 PICTURES = {
     "gallery_shapes": [
         {name: {"aperture": name, "cut": DETAIL} for name in ("square", "hexagon", "octagon")},
@@ -102,11 +102,15 @@ def drawn(
     metres: float | None = None, cut: tuple[int, int, int, int] | None = None, axial: tuple[float, float] = (0.0, 0.0),
     target: str = "result", width: int = 480, scale: float = 0.0, **changes,
 ) -> np.ndarray:  # fmt: skip
-    """market_7 as 8-bit rgb, a part of it or all in so few pixels; with `metres`, as if all were so far away.
+    """Draw market_7 as 8-bit rgb, cropped or scaled.
 
-    target  what a pass writes
-    scale   of CoC in pixels, which are shown as they are: near red, far green; 0: the target holds colour
-    axial   what the map's CoC is shifted by for red and for blue: the frame three times, a channel of each
+    metres   a constant depth instead of the scene's
+    cut      left, top, width, height of a crop, pixels; None: the whole image, scaled to about `width` pixels
+    axial    shift of the map's CoC for red and for blue: the frame is drawn three times, for one channel each
+    target   texture to show
+    scale    brightness per pixel of CoC in a target with near CoC in red and far CoC in green; 0: the target holds
+             colour
+    changes  of the settings
     """
     case = ray_traced.scene_case(ray_traced.MARKET, method, aperture)
     depth = case.depth if metres is None else np.full_like(case.depth, metres)
@@ -130,7 +134,7 @@ def drawn(
 
 
 def pull(driver: Driver) -> list[np.ndarray]:
-    """A pull of focus from the leaves to the street and back, 8-bit rgb; evenly in 1 / distance, slower at the ends."""
+    """Draw a focus pull from the leaves to the street and back, 8-bit rgb; even in 1 / distance, slower at the ends."""
     way = 0.5 - 0.5 * np.cos(np.linspace(0.0, np.pi, PULL_FRAMES))
     distances = 1.0 / (1.0 / NEAREST + way * (1.0 / FARTHEST - 1.0 / NEAREST))
     there = [drawn(driver, camera=replace(CAMERA, focus_distance=float(metres))) for metres in distances]
@@ -138,23 +142,25 @@ def pull(driver: Driver) -> list[np.ndarray]:
 
 
 def gallery(driver: Driver, name: str) -> dict[str, np.ndarray]:
-    """One of PICTURES."""
+    """Draw one of PICTURES."""
     panels = [
         [pictures.Captioned(drawn(driver, **view), caption) for caption, view in row.items()] for row in PICTURES[name]
     ]
     return {name: pictures.grid(panels)}
 
 
-# Lights over a plane of CoC 40, one that is blurred less and one that is blurred more, by method and polygon
+# Lights over a plane of CoC 40, one blurred less and one blurred more, by method and polygon
 APART = (("exact", "hexagon"), ("exact", "octagon"), ("exact", "square"), ("layered", "hexagon"))
 APART_LIGHTS = (lights_apart.Apart(27, 4), lights_apart.Apart(60, 4))
 
 
 def apart(driver: Driver) -> dict[str, np.ndarray]:
-    """Lights whose CoC is not that of their background: flat and of their own size, or not."""
+    """Draw lights whose CoC differs from their background's, to show which methods keep them flat and of their own
+    size.
+    """
     panels = []
     for light in APART_LIGHTS:
-        # of a flat polygon of the light's own size
+        # brightness of a flat polygon of the light's own size
         plateau = lights_apart.LIGHT * light.pixels**2 / (0.65 * light.coc**2)
         row = []
         for method, aperture in APART:

@@ -1,4 +1,4 @@
-"""A ray-traced scene by three methods beside its truth, as docs/results.md shows it."""
+"""Draw a ray-traced scene by three methods next to its truth, for docs/results.md."""
 
 from collections.abc import Callable
 
@@ -16,12 +16,12 @@ CAPTIONS = {
     "layered medium": "layered, preset MEDIUM",
     "truth": "truth: ray traced through a lens",
 }
-# scene, without the times of its lens -> left and top of its detail; width, height
+# scene, without the factor of its lens -> left and top of its detail; width, height
 PLACES, DETAIL_SIZE = {"market_7": (600, 220), "street_11": (225, 150), "canopy_12": (100, 100)}, (240, 160)
 
 
 def likeness(driver: Driver, scene: ray_traced.SceneFile) -> dict[str, np.ndarray]:
-    """A detail at twice its size, and market_7 at half: file name -> 8-bit rgb."""
+    """Draw a detail at twice its size, and market_7 at half size; returns file name -> 8-bit rgb."""
     place, exposed = PLACES[scene.name.removesuffix("x3")], {}
 
     def shown(label: str) -> np.ndarray:

@@ -1,7 +1,7 @@
-"""The command `validation/run pictures`, and docs/data/pictures.json: what is recorded of every picture.
+"""Draw the documents' images and record them in docs/data/pictures.json: the command `validation/run pictures`.
 
-A record has the hash of the file, which a test holds, and the digest of what it was drawn with: where that is another
-now, the picture is older than the shaders or the input that it shows.
+A record has the hash of the file, which a test checks, and the digest of what it was drawn with. If that has changed,
+the image is older than its shaders or inputs.
 """
 
 import hashlib
@@ -20,26 +20,28 @@ KINDS = (".png", ".webp")
 
 
 def every_picture() -> dict[str, Path]:
-    """Path below the repository's root -> file, of all pictures of the documents and the guides."""
+    """Return path below the repository's root -> file, for all images of the documents and guides."""
     folders = paths.ROOT / "docs", paths.ROOT / "integration"
     found = sorted(path for folder in folders for path in folder.rglob("*") if path.suffix in KINDS)
-    # what a package manager installed there is no guide's
+    # folders of a package manager belong to no guide
     drawings = sorted((paths.ROOT / "docs").rglob("*.svg"))
     return {str(path.relative_to(paths.ROOT)): path for path in [*found, *drawings] if "node_modules" not in path.parts}
 
 
 def file_hash(path: Path) -> str:
-    """Of its content."""
+    """Return the hash of a file's content."""
     return hashlib.sha256(path.read_bytes()).hexdigest()
 
 
 def recorded() -> dict[str, dict]:
-    """Path -> {"sha256": hash of the file, "drawn_with": digest of shaders and inputs, null: not by a command}."""
+    """Return path -> {"sha256": hash of the file, "drawn_with": digest of shaders and inputs, null if no command draws
+    it}.
+    """
     return json.loads(RECORD.read_text(encoding="ascii"))
 
 
 def older() -> list[str]:
-    """Pictures that were drawn with other shaders, or from other inputs."""
+    """Return the images that were drawn with other shaders or inputs."""
     digests = {name: drawing.digest() for name, drawing in BY_NAME.items()}
     return [
         path
@@ -49,7 +51,7 @@ def older() -> list[str]:
 
 
 def record(*changed: Path) -> None:
-    """Put these files, as they are, into the record."""
+    """Record these files in their current state."""
     known = recorded() if RECORD.exists() else {}
     for path in changed:
         name = str(path.relative_to(paths.ROOT))
@@ -60,7 +62,7 @@ def record(*changed: Path) -> None:
 
 
 def write(drawing: Drawing, drawn: dict, wanted: list[str], folder: Path | None) -> list[Path]:
-    """Write the pictures of a drawing that are wanted, into a folder or to their places; returns the files."""
+    """Write the wanted images of a drawing into a folder, or to their places in docs; returns the files."""
     found, place = [], folder or paths.ROOT / drawing.folder
     for name in (name for name in drawing.names if name in wanted):
         if isinstance(drawn[name], Animation):

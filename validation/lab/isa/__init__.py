@@ -1,1 +1,3 @@
-"""What the passes cost on a GPU that is not there, by its own compiler: `validation/run isa`, docs/compilers.md."""
+"""Estimate what passes cost on a GPU that is not present, with its own compiler: `validation/run isa`,
+docs/compilers.md.
+"""

@@ -1,4 +1,4 @@
-"""The passes whose cost is counted, as code for a GPU's compiler: from the GLSL, the HLSL and the WGSL."""
+"""Compile the passes whose cost is counted, from GLSL, HLSL and WGSL, to input for a GPU's compiler."""
 
 from collections.abc import Mapping
 from concurrent.futures import ThreadPoolExecutor
@@ -16,9 +16,9 @@ from bokeh_validation.shaders.passes import BINDINGS, FIRST_SAMPLER, Pass
 
 VERTEX = "BokehFullScreen"
 SIZE = (1920, 1080)
-# Of `exact` at MEDIUM: BOKEH_NUM_SAMPLES, pixels between samples
+# `exact` at MEDIUM: BOKEH_NUM_SAMPLES, pixels between samples
 SAMPLES, SPACING = methods.EXACT_PRESETS["medium"]
-# binding -> kind of descriptor: the textures of HLSL and WGSL have a sampler of their own
+# binding -> kind of descriptor; in HLSL and WGSL, textures are separate from the sampler
 COMBINED = {0: "uniform"} | dict.fromkeys(BINDINGS.values(), "combined")
 SEPARATE = {0: "uniform", FIRST_SAMPLER: "sampler"} | dict.fromkeys(BINDINGS.values(), "texture")
 THREADS = 2  # for glslang and naga
@@ -26,7 +26,7 @@ THREADS = 2  # for glslang and naga
 
 @dataclass(frozen=True)
 class Code:
-    """What a GPU's compiler is given: a vertex stage and fragment stages, each a code and its entry point.
+    """Hold the input of a GPU's compiler: a vertex stage and fragment stages, each a code and its entry point.
 
     fragments  name of a pass -> (code, entry point, number of targets)
     bindings   binding -> kind of descriptor
@@ -38,19 +38,19 @@ class Code:
 
 
 def all_passes() -> dict[str, Pass]:
-    """Name -> pass of `paper`, and of `exact` and `layered` at MEDIUM; each pass once."""
+    """Return name -> pass of `paper`, and of `exact` and `layered` at MEDIUM, without duplicates."""
     every = [Settings("paper", shape) for shape in ("hexagon", "octagon")]
     every += [Settings("exact", shape, spacing=SPACING, samples=SAMPLES) for shape in EXACT]
-    # the hexagon's last pass, of which all sides are known, in place of the octagon's
+    # the hexagon comes last, so that its final pass replaces the octagon's
     every += [Settings("layered", shape) for shape in ("octagon", "hexagon")]
     passes = [item for settings in every for item in methods.plan(settings, SIZE).passes]
     return {item.entry.removeprefix("Bokeh"): item for item in passes}
 
 
 def code(passes: Mapping[str, Pass], language: str) -> Code:
-    """Passes as SPIR-V: of GLSL by glslang, of HLSL by DXC, of WGSL by naga.
+    """Compile passes to SPIR-V: GLSL with glslang, HLSL with DXC, WGSL with naga.
 
-    Raises Unavailable without these compilers and UserError where they refuse a pass.
+    Raises Unavailable without these compilers, and UserError if they reject a pass.
     """
 
     def stage(entry: str, name: str, constants: Mapping[str, int]) -> tuple[bytes, str]:
@@ -62,7 +62,7 @@ def code(passes: Mapping[str, Pass], language: str) -> Code:
         return _binary(glslang.spirv(shaders.glsl(entry, "450", constants), name, glslang.VULKAN)), "main"
 
     items = passes.values()
-    # DXC is for one thread at a time
+    # DXC is not thread-safe
     with ThreadPoolExecutor(1 if language == "hlsl" else THREADS) as pool:
         fragments = list(pool.map(lambda item: (*stage(item.entry, "frag", item.constants), item.spec.targets), items))
     vertex = stage(VERTEX, "vert", {})

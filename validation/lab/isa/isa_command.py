@@ -1,4 +1,4 @@
-"""The command `validation/run isa`."""
+"""Define the command `validation/run isa`."""
 
 from dataclasses import fields
 from pathlib import Path
@@ -12,7 +12,7 @@ from bokeh_validation import files, terminal
 from bokeh_validation.errors import Unavailable
 from lab.isa import compiled, radv
 
-# What makes SPIR-V of each language
+# How each language is compiled to SPIR-V
 WAYS = {"glsl": "GLSL by glslang", "hlsl": "HLSL by DXC", "wgsl": "WGSL by naga"}
 COLUMNS = tuple(field.name for field in fields(radv.Count))
 
@@ -20,7 +20,9 @@ COLUMNS = tuple(field.name for field in fields(radv.Count))
 def isa(
     table: Annotated[Path | None, typer.Option(metavar="FILE.tsv", help="Write the table here as well.")] = None,
 ) -> None:
-    """Instructions, registers and latency of every pass, by the compiler of AMD's RDNA 2; the GPU is not needed."""
+    """Count instructions, registers and latency of every pass with the compiler for AMD's RDNA 2; the GPU is not
+    needed.
+    """
     terminal.check_writable(table)
     passes, found, missing, mesa = compiled.all_passes(), {}, {}, ""
     with terminal.progress("isa", len(WAYS)) as step:
@@ -40,7 +42,7 @@ def isa(
             shown.add_column(heading, justify="left" if heading == "pass" else "right")
         for row in rows:
             shown.add_row(*row)
-        # a file or a pipe has no width of its own
+        # a file or a pipe has no width
         Console(width=None if terminal.console.is_terminal else 130).print(shown)
     for way, reason in missing.items():
         terminal.console.print(f"{terminal.NOT_RUN} {way}: {reason}", highlight=False)

@@ -1,8 +1,8 @@
-"""A program by itself: pipelines made by the Vulkan driver that the environment chooses, and what it says of them.
+"""Create pipelines with the Vulkan driver that the environment selects, and print the driver's statistics.
 
-It needs the package `vulkan` and nothing else of this project. Standard input: {"bindings": {NUMBER: KIND}, "vertex":
-[FILE, ENTRY], "fragments": [[NAME, FILE, ENTRY, TARGETS], ...]}, files of SPIR-V. Standard output: {"version":
-"22.3.6", "pipelines": {NAME: {STATISTIC: VALUE}}}. Nothing is ever drawn.
+This is a separate program that needs only the package `vulkan`. Standard input: {"bindings": {NUMBER: KIND}, "vertex":
+[FILE, ENTRY], "fragments": [[NAME, FILE, ENTRY, TARGETS], ...]}, with files of SPIR-V. Standard output: {"version":
+"22.3.6", "pipelines": {NAME: {STATISTIC: VALUE}}}. Nothing is drawn.
 """
 
 import json
@@ -19,11 +19,11 @@ KINDS = {
     "texture": vk.VK_DESCRIPTOR_TYPE_SAMPLED_IMAGE,
     "sampler": vk.VK_DESCRIPTOR_TYPE_SAMPLER,
 }
-VALUES = ("b32", "i64", "u64", "f64")  # of VkPipelineExecutableStatisticValueKHR, in the order of its formats
+VALUES = ("b32", "i64", "u64", "f64")  # members of VkPipelineExecutableStatisticValueKHR, in the order of its formats
 
 
 def device():
-    """(the driver's version, the first device that gives statistics, the instance that keeps it)."""
+    """Return (version of the driver, first device that gives statistics, its instance, which must stay alive)."""
     application = vk.VkApplicationInfo(apiVersion=vk.VK_MAKE_VERSION(1, 3, 0))
     instance = vk.vkCreateInstance(vk.VkInstanceCreateInfo(pApplicationInfo=application), None)
     for physical in vk.vkEnumeratePhysicalDevices(instance):
@@ -42,14 +42,14 @@ def device():
 
 
 def module(logical, file):
-    """A shader module of a file."""
+    """Create a shader module from a file."""
     with open(file, "rb") as stream:
         code = stream.read()
     return vk.vkCreateShaderModule(logical, vk.VkShaderModuleCreateInfo(codeSize=len(code), pCode=code), None)
 
 
 def layout(logical, kinds):
-    """What bokeh_passes.* binds, in the fragment shader; binding -> one of KINDS."""
+    """Create the layout of what bokeh_passes.* binds in the fragment shader; kinds: binding -> one of KINDS."""
     bindings = [
         vk.VkDescriptorSetLayoutBinding(
             binding=int(number), descriptorType=KINDS[kind], descriptorCount=1, stageFlags=FRAGMENT
@@ -61,7 +61,9 @@ def layout(logical, kinds):
 
 
 def pipeline(logical, vertex, fragment, targets, of_pipeline):
-    """A graphics pipeline of a full-screen triangle onto half-float targets; a stage is (module, entry point)."""
+    """Create a graphics pipeline that draws a full-screen triangle to half-float targets; a stage is (module, entry
+    point).
+    """
     stages = [
         vk.VkPipelineShaderStageCreateInfo(stage=stage, module=code, pName=entry)
         for stage, (code, entry) in ((vk.VK_SHADER_STAGE_VERTEX_BIT, vertex), (FRAGMENT, fragment))
@@ -91,7 +93,7 @@ def pipeline(logical, vertex, fragment, targets, of_pipeline):
 
 
 def counted(logical, compiled):
-    """{statistic: number} of the fragment stage of a pipeline."""
+    """Return {statistic: number} of the fragment stage of a pipeline."""
     executables = vk.vkGetDeviceProcAddr(logical, "vkGetPipelineExecutablePropertiesKHR")
     statistics = vk.vkGetDeviceProcAddr(logical, "vkGetPipelineExecutableStatisticsKHR")
     for index, executable in enumerate(executables(logical, vk.VkPipelineInfoKHR(pipeline=compiled))):
@@ -102,12 +104,12 @@ def counted(logical, compiled):
 
 
 def text(name):
-    """A C string, whichever way the binding hands it out."""
+    """Return a C string as str, in whichever form the binding returns it."""
     return name if isinstance(name, str) else vk.ffi.string(name).decode()
 
 
 def main():
-    """See above."""
+    """Read the request from standard input and print the statistics; see the top of this file."""
     asked = json.load(sys.stdin)
     version, logical, _ = device()
     file, entry = asked["vertex"]

@@ -1,4 +1,4 @@
-"""RADV, AMD's compiler in the system's own Mesa: how it is run for a GPU that is not there, and what it says."""
+"""Run RADV, AMD's compiler in the system's Mesa, for a GPU that is not present, and read its statistics."""
 
 import json
 import os
@@ -16,7 +16,7 @@ PIPELINES = Path(__file__).with_name("pipelines.py")
 TIMEOUT_S = 300
 DRIVER = Path("/usr/share/vulkan/icd.d/radeon_icd.x86_64.json")
 FAMILY, TITLE = "navi21", "AMD RDNA 2, Radeon RX 6800 XT"
-# Field of Count -> the driver's name of it
+# Field of Count -> the driver's name for it
 STATISTICS = {
     "instructions": "Instructions",
     "registers": "VGPRs",
@@ -28,10 +28,10 @@ STATISTICS = {
 
 @dataclass(frozen=True)
 class Count:
-    """A pass, as the compiler says; it counts a loop once.
+    """Hold the compiler's statistics of a pass; instructions of a loop are counted once.
 
-    waves    that a unit holds at a time
-    latency  cycles of a wave; a loop counts as eight iterations
+    waves    that a SIMD unit can hold at a time
+    latency  cycles of a wave, with eight iterations assumed for a loop
     """
 
     instructions: int
@@ -42,7 +42,7 @@ class Count:
 
 
 def counts(code: Code) -> tuple[str, dict[str, Count]]:
-    """(version of Mesa, name of a pass -> what the compiler makes of it). Raises Unavailable."""
+    """Return (version of Mesa, name of a pass -> its statistics). Raises Unavailable."""
     if not DRIVER.is_file():
         raise Unavailable(f"needs RADV; {needs.install('vulkan')}")
     with tempfile.TemporaryDirectory(prefix="bokeh-isa-") as folder:
@@ -69,7 +69,7 @@ def counts(code: Code) -> tuple[str, dict[str, Count]]:
 
 
 def _run(asked: str) -> subprocess.CompletedProcess:
-    """PIPELINES in a process of its own: the family is chosen when the driver is loaded."""
+    """Run PIPELINES in a new process, because the GPU family is chosen when the driver is loaded."""
     environment = {**os.environ, "MESA_SHADER_CACHE_DISABLE": "true", "RADV_FORCE_FAMILY": FAMILY}
     environment["VK_ICD_FILENAMES"] = str(DRIVER)
     options = {"capture_output": True, "text": True, "timeout": TIMEOUT_S, "cwd": "/", "env": environment}

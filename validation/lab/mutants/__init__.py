@@ -1,1 +1,1 @@
-"""Mutation test of the harness: shaders broken on purpose, each of which the tests must catch."""
+"""Test the tests: break the shaders on purpose, one mistake at a time; each must be caught."""

@@ -1,4 +1,4 @@
-"""Mistakes of porting, where the parity check leaves a language its own way: a driver of that language shows them."""
+"""List mistakes in porting that the parity check cannot see; a driver of the language must show them."""
 
 import re
 from collections.abc import Iterator
@@ -7,9 +7,9 @@ from bokeh_validation.errors import UserError
 from bokeh_validation.shaders import calls
 from lab.mutants.mutant import Mutant, originals
 
-# Every slot and every way to read a texture, with depth that is none
+# Every slot and every way to read a texture, with invalid depth
 FRAMES = ("map, lens", "paper star", "naive", "naive, many", "exact decagon", "layered hexagon")
-# driver, file, function or '' for all of the file, what stands there, and what does now; '<->': each for the other
+# driver, file, function or '' for the whole file, original text, replacement; '<->' swaps the two
 MISTAKES = (
     ("dxc", "bokeh", "FetchTexture", "coords, 0.0", "coords + 0.01, 0.0"),
     ("d3d9", "bokeh", "FetchTexture", "coords, 0.0, 0.0", "coords + 0.01, 0.0, 0.0"),
@@ -18,7 +18,7 @@ MISTAKES = (
     ("wgpu", "bokeh", "FetchTexel", "min(texel,", "min(texel + vec2i(1, 0),"),
     ("d3d9", "bokeh_paper", "NaiveGather", "float(i) + 0.5", "float(i) + 1.5"),
     ("d3d9", "bokeh_paper", "NaiveGather", "j + BOKEH_LOOP_LIMIT, BOKEH", "j + BOKEH_LOOP_LIMIT - 1, BOKEH"),
-    # the same in all languages, but only Direct3D 9 takes NaN for farther than every sample
+    # all languages have this code, but only Direct3D 9 considers NaN farther than every sample
     ("d3d9", "bokeh_paper", "DepthOfField", "PaperDepth(DepthSamp, uv", "FetchDepth(DepthSamp, BokehToTexture(uv)"),
     ("dxc", "bokeh_passes", "", "TEXTURE, BokehColorSampC,", "<->TEXTURE, BokehColorSampD,"),
     ("d3d9", "bokeh_passes", "", "TEXTURE, BokehColorSampB,", "<->TEXTURE, BokehColorSampC,"),
@@ -33,7 +33,7 @@ LANGUAGES = {"egl": "glsl", "dxc": "hlsl", "d3d9": "hlsl", "wgpu": "wgsl"}
 
 
 def mutants() -> Iterator[Mutant]:
-    """Each of them. Raises UserError where one does not fit the shaders."""
+    """Yield each of these mutants. Raises UserError if one does not fit the shaders."""
     for number, (driver, file, function, old, new) in enumerate(MISTAKES, 1):
         key = f"{LANGUAGES[driver]}/{file}.{LANGUAGES[driver]}"
         place = f"Bokeh{function}" if function else file
@@ -42,7 +42,7 @@ def mutants() -> Iterator[Mutant]:
             pairs |= {after: before for before, after in pairs.items()}
         text = before = originals()[key]
         spans = [found.span("body") for name, found in calls.found_functions(text) if name == place]
-        # HLSL may have two of a name, in two branches of an #if
+        # HLSL may have two functions of a name, in branches of an #if
         for start, end in reversed(spans if function else [(0, len(text))]):
             pattern = "|".join(map(re.escape, pairs))
             body = re.sub(pattern, lambda found, pairs=pairs: pairs[found[0]], text[start:end])

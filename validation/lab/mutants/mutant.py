@@ -1,4 +1,4 @@
-"""What a mutant is: the shaders with one mistake."""
+"""Define a mutant: the shaders with one mistake."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -7,23 +7,23 @@ from functools import cache
 from bokeh_validation import paths
 from bokeh_validation.shaders import parity
 
-# `caught` by parity and by a pass of a frame; `equivalent`: no frame shows it, equivalents.txt has the reason;
-# `refused` by the compiler; `alive`: one of the two does not show it; `broken`: it ended with another error, or not
+# `caught` by parity and by a pass of a frame; `equivalent`: no frame can show it, and equivalents.txt has the reason;
+# `refused` by the compiler; `alive`: parity or frames do not show it; `broken`: it ended with another error, or hung
 OUTCOMES = CAUGHT, EQUIVALENT, REFUSED, ALIVE, BROKEN = "caught", "equivalent", "refused", "alive", "broken"
 BAD = ALIVE, BROKEN
 
 
 @dataclass(frozen=True)
 class Mutant:
-    """The shaders of a language with one mistake.
+    """Hold the shaders of a language with one mistake.
 
-    place   the function or entry that it is in; an entry's name ends in _PS or _VS
-    change  the statement with the mistake, or what has become of it
-    texts   path in the shaders' folder -> text, of the file that is changed
-    driver  the one that has to show it
-    common  whether the parity check has to see it: the languages have the statement in common
-    frames  those that are drawn; none: all that use the place
-    argued  why none can show it
+    place   function or entry with the mistake; an entry's name ends in _PS or _VS
+    change  the statement with the mistake, or what it has become
+    texts   path in the shaders' folder -> text of the changed file
+    driver  that must show the mistake
+    common  whether parity must see it, because the languages share the statement
+    frames  to draw; empty: all that use the place
+    argued  why no frame can show it; '' if one can
     """
 
     name: str
@@ -39,11 +39,11 @@ class Mutant:
 
 @cache
 def originals() -> Mapping[str, str]:
-    """Path in the shaders' folder -> text, of all shader files."""
+    """Return path in the shaders' folder -> text of every shader file."""
     keys = [keys[language] for keys in parity.FILES.values() for language in paths.LANGUAGES]
     return {key: (paths.shaders() / key).read_text(encoding="ascii") for key in keys}
 
 
 def together(texts: Mapping[str, str], language: str) -> str:
-    """All of a language, with these texts in place of their files."""
+    """Return all files of a language as one text, with some replaced by these texts."""
     return "".join(text for key, text in {**originals(), **texts}.items() if key.startswith(f"{language}/"))

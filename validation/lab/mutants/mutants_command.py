@@ -1,4 +1,4 @@
-"""The command `validation/run mutants`."""
+"""Define the command `validation/run mutants`."""
 
 import random
 import time
@@ -32,12 +32,12 @@ def mutants(
 
 
 def all_mutants() -> list[Mutant]:
-    """Those of the operators, and those by hand."""
+    """Return the mutants made by operators and those written by hand."""
     return [*operators.mutants(), *by_hand.mutants()]
 
 
 def chosen(everything: Sequence[Mutant], only: Sequence[str] | None, sample: int | None) -> list[Mutant]:
-    """Those of these names, `sample` of each kind. Raises UserError for a name that is none."""
+    """Return the mutants with these names, at most `sample` of each kind. Raises UserError for an unknown name."""
     if unknown := set(only or ()) - {item.name for item in everything}:
         raise UserError(f"--only {min(unknown)}: no such mutant. Their names are in the file that --json writes.")
     if sample is not None and sample < 1:
@@ -51,7 +51,7 @@ def chosen(everything: Sequence[Mutant], only: Sequence[str] | None, sample: int
 
 
 def as_json(some: Sequence[Mutant], results: Sequence[tuple[str, str]], seconds: float) -> dict:
-    """Everything of a run."""
+    """Return the data of a run for JSON."""
     rows = [
         {"name": mutant.name, "change": mutant.change, "outcome": outcome, "detail": detail}
         for mutant, (outcome, detail) in zip(some, results, strict=True)
@@ -60,7 +60,7 @@ def as_json(some: Sequence[Mutant], results: Sequence[tuple[str, str]], seconds:
 
 
 def lines(found: dict) -> Iterator[str]:
-    """Every mutant that is alive or broken, and the sums."""
+    """Yield a line for every mutant that is alive or broken, and one with the totals."""
     for row in found["mutants"]:
         if row["outcome"] in BAD:
             yield f"{row['name']} ({row['change']}): {row['outcome']}: {row['detail']}"

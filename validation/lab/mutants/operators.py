@@ -1,7 +1,7 @@
-"""Mutants made from the GLSL text: every statement of every function with one thing wrong, always the same.
+"""Make mutants from the GLSL text: every statement of every function with one mistake, always the same one.
 
-The parity check knows that the other languages say the same, statement by statement: what only numbers can show is
-shown on one of them.
+Parity checks that the other languages have the same statements, so numerical mistakes need to be shown in one of them
+only.
 """
 
 import re
@@ -16,11 +16,11 @@ from lab.mutants.mutant import Mutant, originals, together
 
 EQUIVALENTS = Path(__file__).with_name("equivalents.txt")
 FILES = [keys["glsl"] for keys in parity.FILES.values()]
-# Arguments with brackets in them; what stands between two operators; a name
+# Arguments with brackets in them; an operand; a name
 CALL = r"\((?:[^()]|\((?:[^()]|\((?:[^()]|\([^()]*\))*\))*\))*\)"
 TERM = rf"-?(?:[\w.]+(?:{CALL})?|{CALL})(?:\.[a-z]+)?"
 NAME = r"(?<![.\w])[A-Za-z]\w*(?:\.\w+)*"
-# Not within brackets of a function whose arguments may be in any order
+# Excludes arguments of functions whose order does not matter
 ORDERED = r"(?<!min\()(?<!max\()(?<!BokehLayerWeight\()(?<!BokehRotated\()"
 PAIRS = "+ -, * /, && ||, == !=, true false, min max, sin cos, floor ceil"
 SWIZZLES = ".x .y, .r .g, .b .a, .z .w, .xy .yx, .zw .wz, .rg .gr, .rb .br, .rgb .bgr, .xyxy .yxyx"
@@ -41,8 +41,8 @@ for pair in f"{PAIRS}, {SWIZZLES}, {MEMBERS}".split(", "):
     first, second = pair.split()
     OTHER |= {first: second, second: first}
 
-# What is before a number that is one less: a loop that ends early misses a sample, and a first pass that is asked for
-# one line too few does not see it, where one more only costs fetches
+# What precedes a number that is reduced by one: a loop that ends early misses a sample, and a first pass that is asked
+# for one line too few fails, while one more would only cost fetches
 LESS = re.compile(r"(?:< |Bokeh(?:ExactFirst|LayerPolygon)\((?:\w+, )+)\Z")
 GUARDS = r"(?:clamp|abs|BokehSanitize|BokehToTexture|BokehGridCoords|min|max)"
 Types = Mapping[str, str]
@@ -53,20 +53,20 @@ def _other(found: re.Match, _: Types) -> str:
 
 
 def _number(found: re.Match, _: Types) -> str:
-    """Another number: one less where one more would not show, else one more or twice as much."""
+    """Return another number: one less where one more would not show, else one more or twice as much."""
     if "." not in found[0]:
         return str(int(found[0]) + (-1 if LESS.search(found.string[: found.start()]) else 1))
     return repr(2.0 * float(found[0])) if float(found[0]) else "1.0"
 
 
 def _swapped(found: re.Match, types: Types) -> str:
-    """Two arguments of one type."""
-    # .x .. is the only member without a type of its own
+    """Swap two arguments of the same type."""
+    # components such as .x have no declared type; they are floats
     first, second = (types.get(name[name.rfind(".") :] if "." in name else name, "float") for name in found.groups())
     return f"{found[2]}, {found[1]}" if first == second else found[0]
 
 
-# kind -> pattern, and what takes the place of what it finds. The likeliest mistakes come first
+# kind -> pattern, and the replacement of its matches, the likeliest mistakes first
 OPERATORS: dict[str, tuple[str, Callable[[re.Match, Types], str]]] = {
     "operator": (
         r"(?<=[\w)] )[-+*/](?= )|(?<= )(?:[<>]=?|==|&&)(?= )|\b(?:true|false)\b"
@@ -85,16 +85,16 @@ OPERATORS: dict[str, tuple[str, Callable[[re.Match, Types], str]]] = {
     "always": (r"(?<=if )\(.*\)\Z", lambda *_: "(true)"),
     "dropped": (r"\A(?!return|break|for|if|else)[\w.]+(?: [-+*]?=|\().*;\Z", lambda *_: ";"),
 }
-# Those that leave nothing of a statement
+# Kinds that replace the whole statement or condition
 WHOLE = ("always", "never", "dropped")
-# Of a variable that nobody has set a driver makes 0 by itself
+# Drivers initialise variables to 0, so removing such a statement would not show
 ZEROED = re.compile(r"= (?:0\.0|vec\d\([0., ]+\));")
-# What compilers want of targets that a pass has not: nobody reads it
+# Assignments that compilers require for targets that a pass lacks; nobody reads them
 UNREAD = re.compile(r"targets\.strip\d = (?:zero|targets\.strip\d);")
 
 
 def bodies() -> Iterator[tuple[str, str, str, int, int]]:
-    """Of every function of the GLSL: file, name, the file's text without comments, where in it the body is."""
+    """Yield file, name, the file's text without comments, and start and end of the body, for every GLSL function."""
     for key in FILES:
         text = shaders.COMMENT.sub(lambda found: " " * len(found[0]), originals()[key])
         for name, found in calls.found_functions(text):
@@ -102,7 +102,7 @@ def bodies() -> Iterator[tuple[str, str, str, int, int]]:
 
 
 def _statements(text: str, start: int, end: int) -> Iterator[tuple[int, int, str]]:
-    """Where each statement and head of a block begins and ends, and its text with single spaces."""
+    """Yield begin, end and text, with single spaces, of each statement and head of a block."""
     depth, begin = 0, start + 1
     for place in range(begin, end - 1):
         depth += {"(": 1, ")": -1}.get(text[place], 0)
@@ -114,7 +114,7 @@ def _statements(text: str, start: int, end: int) -> Iterator[tuple[int, int, str
 
 
 def _types(text: str) -> dict[str, str]:
-    """Name -> type of all that GLSL declares; members with a dot before them."""
+    """Return name -> type of everything that GLSL declares; members have a dot in front."""
     declared = re.findall(r"\b(float|int|bool|vec\d|Bokeh[A-Z]\w+|sampler2D) (\w+)\b(?!\()", text)
     parameters = re.findall(r"^BOKEH_PARAMETER\((\w+), (\w+)\)$", text, re.MULTILINE)
     members = re.findall(r"^    (\w+) (\w+);$", text, re.MULTILINE)
@@ -123,7 +123,7 @@ def _types(text: str) -> dict[str, str]:
 
 @cache
 def equivalents() -> dict[tuple[str, str], str]:
-    """(place, change) -> why nothing can show it: the line before them that is not indented."""
+    """Return (place, change) -> why nothing can show it, which is the unindented line above them in equivalents.txt."""
     found, reason = {}, ""
     for line in EQUIVALENTS.read_text(encoding="utf-8").splitlines():
         if line.startswith(" "):
@@ -135,14 +135,14 @@ def equivalents() -> dict[tuple[str, str], str]:
 
 
 def mutants() -> Iterator[Mutant]:
-    """One of every statement that an operator can change."""
+    """Yield one mutant of every statement that an operator can change."""
     everywhere = _types(shaders.COMMENT.sub("", together({}, "glsl")))
     for key, name, text, start, end in bodies():
         if name.endswith("_VS"):
             continue
         whole, types = originals()[key], everywhere | _types(text[text.rindex("\n\n", 0, start) : end])
         common = not re.search(rf"{rules.SAMPLING}\(", whole[start:end])
-        # the operators take turns in a function, so that no edit elsewhere changes which are made
+        # operators take turns within a function, so that edits elsewhere do not change which mutants are made
         used: Counter[str] = Counter()
         for begin, after, statement in _statements(text, start, end):
             if UNREAD.fullmatch(statement):
@@ -160,7 +160,7 @@ def mutants() -> Iterator[Mutant]:
 
 
 def _edits(kind: str, statement: str, types: Types) -> Iterator[str]:
-    """What an operator makes of a statement."""
+    """Yield what an operator makes of a statement."""
     pattern, edit = OPERATORS[kind]
     for found in re.finditer(pattern, statement):
         new = edit(found, types)

@@ -1,4 +1,4 @@
-"""Mutants judged, each in a process of its own: a broken shader may crash a driver, or not end."""
+"""Judge mutants, each in its own process, since a broken shader may crash a driver or hang."""
 
 import contextlib
 import multiprocessing
@@ -21,16 +21,16 @@ from bokeh_validation.windows import wine
 from lab.mutants.mutant import ALIVE, BROKEN, CAUGHT, EQUIVALENT, REFUSED, Mutant, together
 
 WORKERS = 2
-# A mutant that takes longer hangs
+# A mutant that takes longer is considered hung
 LIMIT_S = 300
-# What a driver says of a program that does not compile
+# A driver's messages for a program that does not compile
 COMPILER = re.compile("GLSL Compiler failed|GLSL Linker failed")
 FORK = multiprocessing.get_context("fork")
 _loaded = cache(drivers.load)
 
 
 def run(mutants: Sequence[Mutant], step: Callable[[str], None]) -> list[tuple[str, str]]:
-    """Outcome and detail of each, in their order. Raises UserError where the shaders as they are do not pass."""
+    """Return outcome and detail of each mutant, in order. Raises UserError if the unchanged shaders fail."""
     prepared = _prepared(mutants)
     results: dict[str, tuple[str, str]] = {}
     waiting = list(reversed(mutants))
@@ -59,7 +59,7 @@ def run(mutants: Sequence[Mutant], step: Callable[[str], None]) -> list[tuple[st
 
 
 def _prepared(mutants: Sequence[Mutant]) -> dict[str, list[Judge]]:
-    """Driver -> the judges of every frame that one of its mutants may ask."""
+    """Return driver -> the judges of every frame that one of its mutants may need."""
     everything, result = list(coverage_frames.all_frames()), {}
     with ProcessPoolExecutor(WORKERS, FORK) as pool:
         for driver in dict.fromkeys(mutant.driver for mutant in mutants):
@@ -79,7 +79,7 @@ def _judges(name: str, label: str) -> list[Judge]:
 
 
 def _kill(process: BaseProcess) -> None:
-    """With the programs that it has started."""
+    """Kill a mutant's process with the programs that it started."""
     with contextlib.suppress(ProcessLookupError):
         os.killpg(process.pid, signal.SIGKILL)
     process.kill()
@@ -87,12 +87,12 @@ def _kill(process: BaseProcess) -> None:
 
 
 def _child(mutant: Mutant, asked: Sequence[Judge], end: connection.Connection) -> None:
-    """What a mutant's process does."""
+    """Judge a mutant in its process and send the result."""
     os.setpgrp()
-    # the system ends it: Python would wait for the driver
+    # the default handler ends the process at once; a Python handler would wait for the driver
     signal.signal(signal.SIGALRM, signal.SIG_DFL)
     signal.alarm(LIMIT_S)
-    # from here on this process has no other shaders
+    # from here on this process uses the mutant's shaders
     shaders.text = lambda language: together(mutant.texts, language)
     try:
         result = _judged(mutant, asked)
@@ -104,12 +104,12 @@ def _child(mutant: Mutant, asked: Sequence[Judge], end: connection.Connection) -
 
 
 def _judged(mutant: Mutant, prepared: Sequence[Judge]) -> tuple[str, str]:
-    # more than a line that the edit has made too long
+    # parity must find more than a line that has become too long
     if mutant.common and all(rules.TOO_LONG in difference.what for difference in parity.check(mutant.texts)):
         return ALIVE, "the parity check does not see it"
     asked = [judge for judge in prepared if _draws(judge, mutant)]
     if mutant.argued:
-        # the argument is trusted but for one judge of each entry
+        # an equivalent mutant is only checked with one judge per entry
         asked = list({judge.item.entry: judge for judge in asked}.values())
     driver = drivers.load(mutant.driver)
     for judge in asked:
@@ -121,7 +121,7 @@ def _judged(mutant: Mutant, prepared: Sequence[Judge]) -> tuple[str, str]:
 
 
 def _draws(judge: Judge, mutant: Mutant) -> bool:
-    """Whether a judge is named, or draws what has the mistake in it."""
+    """Return whether a judge's frame is named by the mutant, or its program contains the mistake."""
     if mutant.frames:
         return judge.label in mutant.frames
     entry, constants = judge.frame.main or f"{judge.item.entry}_PS", frozenset(judge.item.constants.items())

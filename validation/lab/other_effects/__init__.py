@@ -1,4 +1,6 @@
-"""Other depth-of-field effects beside ours and the ray-traced truth: the work behind `validation/run peers`."""
+"""Compare other depth-of-field effects with this package and the ray-traced truth: the command
+`validation/run peers`.
+"""
 
 from dataclasses import replace
 from pathlib import Path
@@ -23,24 +25,25 @@ from lab.rasterised.rasteriser import Rasteriser
 from lab.rasterised.sequences import MOTIONS, moment
 
 OURS = ("paper", "exact", "layered low", "layered medium")
-DRIVER = "webgl2"  # the device that the others are on
-# One light of 3 x 3 pixels, so far away that its circle of confusion is that at infinity, 34 pixels
+DRIVER = "webgl2"  # the same device as the other effects
+# One light of 3 x 3 pixels, so far away that its circle of confusion is the one at infinity, 34 pixels
 LIGHT, FAR = 3, 10000.0
 LIGHT_SIZE, LIGHT_COC = (270, 270), 34
 LIGHT_CAMERA = Camera(LIGHT_COC / 270 * 0.024 * 2.37 / 0.05, 0.05, 2.42, 0.024, 0.15)
-# Pictures of a search are compared at a quarter of their size; its steps of a parameter
+# A search compares images at a quarter of their size; factors by which it changes a parameter
 SMALLER, STEPS = 4, (0.5, 0.8)
-# Scenes that a page is given: a browser keeps 16 contexts
+# Number of scenes per page; a browser keeps 16 contexts
 CONTEXTS = 12
-# What is shown of a scene: left and top
+# Detail of a scene that is shown: left and top
 PLACES, DETAIL = {"market_7": (30, 200), "street_11": (200, 110), "canopy_12": (100, 100)}, (300, 200)
 
 
 def search(page: Page, effect: str, start: Parameters, lens: np.ndarray) -> Parameters:
-    """Parameters with the least FLIP: each number smaller or larger and each option tried, as long as it gets better.
+    """Return the parameters with the lowest FLIP, changing each number and option as long as that improves it.
 
-    start  where it begins: what the documentation asks for
-    lens   the truth, reduced()
+    page    an open page with the scene
+    start   initial parameters, from the documentation
+    lens    the truth, reduced()
     """
     options = [{name: value} for name in start if name in OPTIONS for value in OPTIONS[name]]
     best, least = start, np.inf
@@ -56,14 +59,16 @@ def search(page: Page, effect: str, start: Parameters, lens: np.ndarray) -> Para
 
 
 def reduced(image: np.ndarray) -> np.ndarray:
-    """A picture for search(), smaller: FLIP takes longer than an effect."""
+    """Scale an image down for search(), because FLIP takes longer than an effect."""
     return np.dstack([Image.fromarray(image[..., at].astype(np.float32)).reduce(SMALLER) for at in range(3)])
 
 
 def of_scene(name: str, asked: list[str], anew: bool) -> tuple[list[dict], np.ndarray, dict[str, Parameters]]:
-    """Rows of a scene, ours among them; a detail of it by every effect, 8-bit rgb; and the effects' parameters.
+    """Measure a scene with effects and this package's methods.
 
-    anew  whether these are searched
+    asked  names of the effects
+    anew   whether to search their parameters
+    Returns rows, a detail of the scene by every effect as 8-bit rgb, and the effects' parameters.
     """
     (file,) = ray_traced.chosen([name])
     picture, lens = ray_traced.picture(file), ray_traced.truth(file, "hexagon")
@@ -84,8 +89,11 @@ def of_scene(name: str, asked: list[str], anew: bool) -> tuple[list[dict], np.nd
 
 
 def of_light(place: str, asked: list[str]) -> list[tuple[float, float]]:
-    """One light, by effects and by ours: its overlap with the aperture (probes.model.overlap, the light of both being
-    the same), and the share of its light that is kept."""
+    """Draw one light with effects and this package's methods.
+
+    Returns for each its overlap with the aperture (probes.model.overlap, with both scaled to the same light), and the
+    fraction of its light that is kept.
+    """
     middle = [(side - LIGHT) // 2 for side in LIGHT_SIZE]
     color = np.full((*LIGHT_SIZE[::-1], 4), AMBIENT, np.float16)
     color[middle[1] : middle[1] + LIGHT, middle[0] : middle[0] + LIGHT] = PEAK
@@ -106,7 +114,7 @@ def of_light(place: str, asked: list[str]) -> list[tuple[float, float]]:
 
 
 def in_motion(asked: list[str], name: str) -> list[dict]:
-    """Rows of one of MOTIONS, from its antialiased input; parameters are searched on the first frame."""
+    """Return rows for one of MOTIONS, from its antialiased input; parameters are searched on the first frame."""
     recording, rows = motion.recorded(name, Rasteriser(motion.SIZE, motion.POINTS), motion.FRAMES), []
     shown, cameras = list(map(faults.display, recording.truth)), [moment(name, k).camera for k in range(motion.FRAMES)]
     start = documented(cameras[0], shown[0].shape[:2])
@@ -140,7 +148,7 @@ def peers(
         str | None, typer.Option("--motion", metavar="NAME", help=f"Flicker alone, as truth's: {', '.join(MOTIONS)}.")
     ] = None,
 ) -> None:
-    """Other depth-of-field effects beside ours and the truth (docs/results.md): FLIP, PSNR, light; one light."""
+    """Compare other depth-of-field effects with the truth (docs/results.md): FLIP, PSNR, light; one light."""
     asked = terminal.chosen("--effect", effect, EFFECTS)
     scenes = [file.name for file in ray_traced.chosen(scene)]
     terminal.check_writable(found)
@@ -152,7 +160,7 @@ def peers(
     named = terminal.chosen("--motion", sequence and [sequence], MOTIONS)
     if sequence and (scene or found):
         raise UserError(f"--motion {sequence}: it draws none of the scenes. Leave out --scene and --search.")
-    Page(asked).close()  # what is missing is told before any work
+    Page(asked).close()  # report missing programs before any work
     if sequence is not None:
         terminal.tell(*motion.table(in_motion(asked, named[0])), drivers.load(DRIVER).adapter)
         return

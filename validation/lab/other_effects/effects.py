@@ -1,4 +1,4 @@
-"""The effects, and the page in headless Chromium in which all of them draw the same scene, on WebGL 2 and on WebGPU."""
+"""Draw a scene with other effects in one page of headless Chromium, on WebGL 2 and WebGPU."""
 
 import json
 import math
@@ -18,13 +18,13 @@ from bokeh_validation.frame.methods import Camera
 
 Parameters = dict[str, float | bool]
 PAGE = Path(__file__).parent / "page"
-# What pins the packages: three.js and postprocessing, the others
+# Folders that pin the packages: three.js and postprocessing, then the others
 FOLDERS = (Path(__file__).parent, *(paths.ROOT / "integration" / engine for engine in ("babylonjs", "playcanvas")))
 LIMIT = 240.0
 
-# Bevy's crate, for the WGSL in it: brought by cargo, never compiled
+# Bevy's crate, for its WGSL: downloaded by cargo, never compiled
 CRATE, CRATE_VERSION = "bevy_post_process", "0.19.1"
-# only what this system would need is fetched: cargo has no way to leave out what a crate depends on
+# limits the download to what this system needs; cargo cannot skip a crate's dependencies
 TARGET = "x86_64-unknown-linux-gnu"
 MANIFEST = f"""[package]
 name = "shaders"
@@ -36,7 +36,7 @@ path = "empty.rs"
 {CRATE} = {{ version = "={CRATE_VERSION}", default-features = false }}
 """
 
-# name of one in page/peers.js -> title, package, the parameters that a search makes larger and smaller
+# name in page/peers.js -> title, package, parameters that a search scales
 EFFECTS = {
     "BokehPass": ("three.js BokehPass", "three", ("aperture", "maxblur")),
     "DepthOfFieldNode": ("three.js DepthOfFieldNode", "three", ("focalLength", "bokehScale")),
@@ -46,15 +46,15 @@ EFFECTS = {
     "BevyBokeh": ("Bevy bokeh", CRATE, ("scale", "maxDiameter")),
     "BevyGaussian": ("Bevy Gaussian", CRATE, ("scale", "maxDiameter")),
 }
-# Other parameters that a search tries, and their values
+# Other parameters that a search tries, with their values
 OPTIONS = {"resolutionScale": (0.5, 1.0), "blurLevel": (2, 1, 0), "nearBlur": (True, False)}
-# Scene, or ONE_LIGHT -> effect -> the parameters that it is drawn with: the best there are, see docs/results.md
+# Scene, or ONE_LIGHT -> effect -> the best parameters found, see docs/results.md
 FOUND: dict[str, dict[str, Parameters]] = json.loads(Path(__file__).with_name("found.json").read_text(encoding="ascii"))
 ONE_LIGHT = "one light"
 
 
 def title(name: str) -> str:
-    """An effect with the version of its package."""
+    """Return an effect's title with the version of its package."""
     text, package, _ = EFFECTS[name]
     if package == CRATE:
         return f"{text} {CRATE_VERSION}"
@@ -64,13 +64,16 @@ def title(name: str) -> str:
 
 
 def documented(camera: Camera, shape: tuple[int, int]) -> dict[str, Parameters]:
-    """What each effect's documentation asks for with a lens, where a search begins. shape: of the picture, (H, W)."""
+    """Return the parameters that each effect's documentation asks for with a lens, where a search begins.
+
+    shape  (H, W) of the image
+    """
     (height, width), focus, focal = shape, camera.focus_distance, camera.focal_length
     scale = focal * camera.aperture_diameter / camera.sensor_height
-    radius = 0.5 * scale / (focus - focal)  # of the circle of confusion at infinity, over the image height
-    # the slope is the lens's at the focus, the limit the lens's at infinity; 0.4 image widths are 1
+    radius = 0.5 * scale / (focus - focal)  # of the circle of confusion at infinity, fraction of the image height
+    # the slope matches the lens at the focus, the limit matches it at infinity; 1 is 0.4 image widths
     maxblur = radius * height / (0.4 * width)
-    # metres off the focus at which smoothstep is 1: half of the far blur is where the lens has it
+    # distance from the focus at which smoothstep is 1, metres: half of the far blur is where the lens has it
     reach = 2 * focus
     lens = {"focusDistance": 1000 * focus, "focalLength": 1000 * focal, "lensSize": 1000 * focal}
     quality = {"nearBlur": True, "blurRings": 4, "blurRingPoints": 5, "highQuality": True}
@@ -81,7 +84,7 @@ def documented(camera: Camera, shape: tuple[int, int]) -> dict[str, Parameters]:
         "DepthOfFieldNode": pixels | {"focalLength": reach},
         "DepthOfFieldEffect": pixels | {"focusRange": reach, "resolutionScale": 0.5},
         "Babylon": lens | {"fStop": focal / camera.aperture_diameter, "blurLevel": 2},
-        # its pixels are those of a picture of 540 rows
+        # its pixels refer to an image of 540 rows
         "CameraFrame": {"focusDistance": focus, "focusRange": reach, "blurRadius": radius * 540} | quality,
         "BevyBokeh": bevy,
         "BevyGaussian": bevy,
@@ -91,7 +94,7 @@ def documented(camera: Camera, shape: tuple[int, int]) -> dict[str, Parameters]:
 @cache
 @locks.held("crate")
 def crate() -> Path:
-    """Folder of Bevy's. Raises Unavailable, RuntimeError."""
+    """Return the folder of Bevy's crate, downloaded on first use. Raises Unavailable, RuntimeError."""
     cargo = shutil.which("cargo") or shutil.which("cargo", path=str(Path.home() / ".cargo/bin"))
     if cargo is None:
         raise Unavailable("cargo, for Bevy's effects; https://rustup.rs, or name others by --effect")
@@ -104,17 +107,17 @@ def crate() -> Path:
 
 
 class Page(browser.Session):
-    """A page in which effects draw a scene; a context."""
+    """Open a page in which effects draw a scene; a context manager."""
 
     def __init__(self, effects: list[str]):
-        """Raises Unavailable."""
+        """Open the page with these effects. Raises Unavailable."""
         places = [("browser/", browser.PAGE), ("", PAGE), *(("", pages.installed(folder)) for folder in FOLDERS)]
         if any(EFFECTS[name][1] == CRATE for name in effects):
             places.insert(0, (f"{CRATE}/", crate()))
         super().__init__(places=places, limit=LIMIT)
 
     def load(self, color: np.ndarray, depth: np.ndarray, camera: Camera) -> None:
-        """Hand over linear HDR colour (H, W, >= 3) and depth in metres (H, W), seen by a camera."""
+        """Set the scene: linear HDR colour (H, W, >= 3) and depth in metres (H, W), seen by a camera."""
         rgba = np.ones((*depth.shape, 4), np.float16)
         rgba[..., :3] = color[..., :3]
         scene = {"color": packed(Image.of("", rgba)), "depth": packed(Image.of("", depth.astype(np.float32)))}
@@ -122,5 +125,5 @@ class Page(browser.Session):
         self.call("load", scene | {"fovy": 2 * math.atan(0.5 * camera.sensor_height / camera.focal_length)})
 
     def draw(self, effect: str, parameters: Parameters) -> np.ndarray:
-        """What an effect makes of the scene, (H, W, 4) float32."""
+        """Draw the scene with an effect, (H, W, 4) float32."""
         return unpacked(self.call("draw", {"name": effect, "parameters": parameters}), "float")

@@ -1,4 +1,4 @@
-"""Where a picture has what the truth has nowhere near: FLIP, a mean, hardly sees a few wrong pixels."""
+"""Find pixels that have no counterpart nearby in the truth; FLIP, a mean, hardly notices a few wrong pixels."""
 
 from collections.abc import Callable
 
@@ -7,29 +7,30 @@ import numpy as np
 from bokeh_validation import pictures
 from lab.rasterised.rasteriser import Lens, Pinhole
 
-# How bright random scenes are shown; the exposures of the ray-traced ones are in truth
+# Exposure with which random scenes are displayed; truth has those of the ray-traced ones
 RANDOM_EXPOSURE = 0.8
-# What a pixel counts from, in display values
+# From which difference in display values a pixel is a fault
 LIMITS = {"bright": 0.08, "dark": 0.08, "rough": 0.10}
-# Pixels around: a method may be so far off its place
+# How many pixels a method's result may be displaced
 REACH = 3
-# Below this CoC, pixels, the input of one sample a pixel has staircases, which are no fault of a picture so close to it
+# Below this CoC in pixels, an input with one sample per pixel has staircases, which are no fault of a result this
+# close to it
 SHARP, UNCHANGED = 1.5, 0.03
 
 
 def maps(image: np.ndarray, given: Pinhole, lens: Lens, coc: np.ndarray | None) -> dict[str, np.ndarray]:
-    """Faults of a picture (H, W, >= 3), each a map (H, W) in display values, 0 .. 1.
+    """Return the faults of an image (H, W, >= 3), each a map (H, W) in display values, 0 to 1.
 
-    bright  how far above the brightest of the truth within REACH pixels: specks, cores, lit cracks
-    dark    how far below the darkest: holes, dark cracks, missing light
-    rough   the error without its mean over 7 x 7 pixels, where the truth is smooth: texture that nothing has
+    bright  how far above the truth's maximum within REACH pixels: specks, cores, lit cracks
+    dark    how far below its minimum: holes, dark cracks, missing light
+    rough   the error without its mean over 7 x 7 pixels, where the truth is smooth: texture that is not in the scene
 
-    coc     of an input of one sample a pixel, pixels (H, W); None: the input is antialiased
+    coc     (H, W), pixels, of an input with one sample per pixel; None: the input is antialiased
 
-    They fade out where the lens sees what the input does not hold.
+    The maps fade out where the lens sees what the input does not contain.
     """
     shown, truth = display(image), display(lens.color)
-    # the truth if what is hidden were as the rest
+    # the truth, if hidden parts looked like the visible ones
     known = display((lens.color - lens.hidden_color) / np.maximum(1.0 - lens.hidden[..., None], 0.02))
     hidden, unseen = around(lens.hidden, 1, np.max), around(np.abs(truth - known).max(axis=-1), 2, np.max)
     counts = np.ones(hidden.shape, bool)
@@ -47,12 +48,12 @@ def maps(image: np.ndarray, given: Pinhole, lens: Lens, coc: np.ndarray | None) 
 
 
 def display(color: np.ndarray) -> np.ndarray:
-    """Linear rgb to what a display shows, 0 .. 1, float32."""
+    """Return the display values of linear rgb, 0 to 1, float32."""
     return pictures.filmic_curve(color, RANDOM_EXPOSURE).astype(np.float32)
 
 
 def around(values: np.ndarray, radius: int, of: Callable) -> np.ndarray:
-    """np.max, np.min or np.mean over squares of 2 radius + 1 pixels of (H, W, ..)."""
+    """Apply np.max, np.min or np.mean to the square of 2 radius + 1 pixels around each pixel of (H, W, ..)."""
     for axis in (0, 1):
         border = [(radius, radius) if k == axis else (0, 0) for k in range(values.ndim)]
         windows = np.lib.stride_tricks.sliding_window_view(np.pad(values, border, "edge"), 2 * radius + 1, axis)

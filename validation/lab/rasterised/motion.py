@@ -1,4 +1,4 @@
-"""How much a method flickers where the truth does not, and how near it is where blur is moderate: truth.sequences."""
+"""Measure how much a method flickers where the truth does not, and how near it is to the truth at moderate blur."""
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import NamedTuple
@@ -18,10 +18,10 @@ from lab.rasterised.rasteriser import Pinhole, Rasteriser, places_in_pixel
 from lab.rasterised.sequences import MODERATE, MOTIONS, moment, street
 
 SIZE, POINTS, FRAMES = (480, 270), 384, 24
-# Of temporal anti-aliasing: frames before the first that is measured, for it to settle; the share of the newest frame;
-# places in the pixel, one after the other
+# Temporal anti-aliasing: number of frames to settle before the first measured one, weight of the newest frame, and the
+# sample positions in a pixel, in order
 LEAD, SHARE, PLACES = 16, 0.1, places_in_pixel(8)[[0, 4, 2, 6, 1, 5, 3, 7]].tolist()
-# Sequences, and moderate blur without motion
+# Sequences, and the name for moderate blur without motion
 AT_REST = "moderate"
 NAMES = (*MOTIONS, AT_REST)
 KNOWN = labels.METHODS + labels.JITTERED
@@ -33,14 +33,19 @@ INPUTS = ("aliased", "antialiased", "temporal, before", "temporal, after", "befo
 ALIASED, ANTIALIASED, *_, STEADY = INPUTS
 # BokehStableBlend
 FORGOTTEN = 0.05
-# The animation: left, top, width, height of a detail, and how much larger; milliseconds a frame; quality of WebP
+# The animation: left, top, width, height of a detail, and its zoom; milliseconds per frame; quality of the WebP
 DETAIL, ZOOM, MILLISECONDS, QUALITY = (240, 20, 170, 130), 2, 80, 80
 SHOWN = {"pinhole": "input", "paper": "paper", "layered medium": "layered, preset MEDIUM"}
 
 
 class Recording(NamedTuple):
-    """A sequence: one sample of colour a pixel, in the middle; many; one, elsewhere in each frame, and LEAD frames
-    before the others; what temporal anti-aliasing makes of these, and the truth, linear (H, W, 3).
+    """Hold a sequence.
+
+    aliased      one colour sample per pixel, in the middle
+    antialiased  many samples per pixel
+    jittered     one sample per pixel at a position that differs by frame, starting LEAD frames earlier
+    stable       what temporal anti-aliasing makes of `jittered`, linear (H, W, 3)
+    truth        linear (H, W, 3)
     """
 
     aliased: list[Pinhole]
@@ -51,7 +56,7 @@ class Recording(NamedTuple):
 
 
 def recorded(name: str, rasteriser: Rasteriser, frames: int) -> Recording:
-    """One of sequences.MOTIONS."""
+    """Draw one of sequences.MOTIONS."""
     recording = Recording([], [], [], [], [])
     for frame in range(-LEAD, frames):
         scene, before = moment(name, frame), moment(name, frame - 1)
@@ -65,13 +70,15 @@ def recorded(name: str, rasteriser: Rasteriser, frames: int) -> Recording:
 
 
 def resolved(frames: Iterable[np.ndarray], given: Iterable[Pinhole]) -> Iterator[np.ndarray]:
-    """Plain temporal anti-aliasing of linear (H, W, >= 3): the history, from where each pixel was, within the range of
-    the newest 3 x 3 pixels, and SHARE of the newest; at first the mean of all.
+    """Apply plain temporal anti-aliasing to linear frames (H, W, >= 3).
+
+    The history, fetched from where each pixel was, is clamped to the range of the newest 3 x 3 pixels and blended with
+    the newest frame, whose weight is SHARE; the first frames are averaged.
     """
     history = None
     for number, (image, pinhole) in enumerate(zip(frames, given, strict=True), 1):
         color = np.maximum(image[..., :3].astype(np.float64), 0.0)
-        # lights must not outweigh all else
+        # compress the range, so that lights do not outweigh everything else
         color /= 1.0 + color.max(axis=-1, keepdims=True)
         y, x = np.indices(color.shape[:2]) + 0.5
         history = color if history is None else history
@@ -82,7 +89,9 @@ def resolved(frames: Iterable[np.ndarray], given: Iterable[Pinhole]) -> Iterator
 
 
 def results(driver: Driver, name: str, label: str, recording: Recording) -> dict[str, list[np.ndarray]]:
-    """What a method makes of a sequence: input -> linear frames; STEADY only of methods with a signed CoC map."""
+    """Draw a sequence with a method; returns input -> linear frames. STEADY is included for methods with a signed CoC
+    map.
+    """
 
     def drawn(given: Sequence[Pinhole], colors: Iterable[np.ndarray], first: int = 0) -> list[np.ndarray]:
         images = []
@@ -103,7 +112,7 @@ def results(driver: Driver, name: str, label: str, recording: Recording) -> dict
 
 
 def _steady(driver: Driver, name: str, label: str, recording: Recording) -> Iterator[np.ndarray]:
-    """What a method makes of resolved colour and jittered depth with BokehStableMap after its CoC map."""
+    """Yield what a method makes of resolved colour and jittered depth, with BokehStableMap after its CoC map."""
     size = recording.stable[0].shape[1::-1]
     colors, history = [pinhole.color for pinhole in recording.jittered[:LEAD]] + recording.stable, None
     for frame, (pinhole, color) in enumerate(zip(recording.jittered, colors, strict=True), -LEAD):
@@ -121,11 +130,12 @@ def _steady(driver: Driver, name: str, label: str, recording: Recording) -> Iter
 
 
 def flicker(frames: Sequence[np.ndarray], truth: Sequence[np.ndarray]) -> dict[str, tuple[float, float]]:
-    """Of the error in display values, 1/255, a pixel's worst channel: mean and 99th percentile over the pixels.
+    """Return mean and 99th percentile over the pixels of the error's variation, in 1/255 of display values.
 
-    deviation  standard deviation over the frames
-    change     from a frame to the next
-    frames     linear; truth: display values
+    frames     linear
+    truth      display values
+    deviation  standard deviation over the frames, of a pixel's worst channel
+    change     largest change from one frame to the next
     """
     error = 255.0 * np.stack([faults.display(frame) - shown for frame, shown in zip(frames, truth, strict=True)])
     values = {"deviation": error.std(axis=0).max(axis=-1), "change": np.abs(np.diff(error, axis=0)).max(axis=-1)}
@@ -136,7 +146,9 @@ def measured(
     name: str, methods: Sequence[str], driver: str, adapter: str | None = None,
     size: tuple[int, int] = SIZE, points: int = POINTS, frames: int = FRAMES,
 ) -> tuple[list[dict], list[np.ndarray]]:  # fmt: skip
-    """Rows of a sequence, and its animation, 8-bit rgb, empty where one of SHOWN is not among the methods."""
+    """Measure a sequence; returns rows, and its animation as 8-bit rgb, which is empty unless methods include all of
+    SHOWN.
+    """
     used = drivers.load(driver, adapter)
     recording = recorded(name, Rasteriser(size, points, used), frames)
     truth, rows, shown = list(map(faults.display, recording.truth)), [], {}
@@ -161,7 +173,7 @@ def _side_by_side(images: Mapping[str, np.ndarray]) -> np.ndarray:
 def moderate(
     place: tuple[int, float, float], methods: Sequence[str], driver: str, adapter: str | None = None
 ) -> tuple[list[dict], list]:
-    """Rows of one of sequences.MODERATE: FLIP, from both inputs."""
+    """Return rows for one of sequences.MODERATE: FLIP from both inputs."""
     used = drivers.load(driver, adapter)
     rasteriser, scene, rows = Rasteriser(SIZE, POINTS, used), street(*place), []
     truth = rasteriser.lens(scene).color
@@ -175,7 +187,9 @@ def moderate(
 
 
 def table(rows: Sequence[Mapping]) -> list[str]:
-    """For each scene a row for a method and a column for an input: FLIP, or deviation and change, mean / 99th."""
+    """Return a table per scene, with a row per method and a column per input: FLIP, or deviation and change, mean /
+    99th.
+    """
     lines: list[str] = []
     for name in dict.fromkeys(row["scene"] for row in rows):
         own = [row for row in rows if row["scene"] == name]
@@ -196,7 +210,7 @@ def _cell(rows: Sequence[Mapping]) -> str:
 
 
 def chosen(name: str | None) -> list[str]:
-    """What --motion names. Raises UserError."""
+    """Return the sequences that --motion names. Raises UserError."""
     named = terminal.chosen("--motion", [name or "all"], [*NAMES, "all"])
     return list(NAMES) if named == ["all"] else named
 
@@ -204,7 +218,7 @@ def chosen(name: str | None) -> list[str]:
 def report(
     methods: Sequence[str], driver: str, adapter: str | None, names: Sequence[str]
 ) -> tuple[list[dict], list[str]]:
-    """Rows of sequences and their table, by several processes."""
+    """Measure sequences in several processes; returns rows and their table."""
     work = [(measured, (name, methods, driver, adapter)) for name in names if name in MOTIONS]
     work += [(moderate, (place, methods, driver, adapter)) for place in MODERATE] if AT_REST in names else []
     with terminal.progress("truth", len(work)) as step:

@@ -1,7 +1,8 @@
-"""Scenes drawn by chance, so that nobody tunes on a handful of pictures.
+"""Generate random scenes, so that nobody tunes on a handful of images.
 
-A backdrop, a floor, subjects near the focus, posts and cards behind it, far lights (a third of them at a subject's
-rim), near leaves, bars and lights; an aperture from tiny to wide; one sample a pixel, or antialiased.
+A scene has a backdrop, a floor, subjects near the focus, posts and cards behind it, far lights (a third of them at a
+subject's rim), near leaves, bars and lights, and an aperture from tiny to wide. Its input has one sample per pixel, or
+is antialiased.
 """
 
 from math import cos, exp, log, pi, sin
@@ -11,16 +12,16 @@ from bokeh_validation.frame.methods import Camera
 from lab.rasterised.rasteriser import Scene, Thing
 
 FOCAL_LENGTH, SENSOR_HEIGHT = 0.05, 0.024
-# CoC of what is infinitely far away, fractions of the image height; that of the nearest thing
+# CoC at infinity, minimum and maximum as fractions of the image height; that of the nearest object
 SMALLEST, LARGEST, NEAREST_COC = 0.008, 0.30, 0.42
-# A light has at least so much of that CoC as a radius: the points of the lens must not show in it
+# Minimum radius of a light, as a fraction of that CoC, so that single points of the lens do not show in it
 LEAST_LIGHT = 0.045
-# From this seed on: a leaning subject with all lights at its rim, behind leaves
+# From this seed on, scenes have a leaning subject with all lights at its rim, behind leaves
 LEANING = 1000
 
 
 def random_scene(seed: int) -> tuple[Scene, bool]:
-    """That of a seed, the same everywhere, and whether its input is antialiased."""
+    """Return the scene of a seed, which is the same everywhere, and whether its input is antialiased."""
     chance = _Chance(seed)
     chance.backdrop()
     chance.around_the_focus()
@@ -29,7 +30,7 @@ def random_scene(seed: int) -> tuple[Scene, bool]:
     sky, bright = (0.01, 0.012, 0.02), chance.random.random() < 0.5
     if bright:
         sky = tuple(exp(chance.between(log(0.003), log(0.8))) for _ in range(3))
-    chance.color(0.0, 1.0, 2)  # nothing is made of these two: the scenes of a seed stay those that figures are known of
+    chance.color(0.0, 1.0, 2)  # unused, but keeps the scenes of each seed as they were when figures were recorded
     aperture = chance.coc * chance.focus * chance.view
     camera = Camera(aperture, FOCAL_LENGTH, chance.focus, SENSOR_HEIGHT, 0.5)
     scene = Scene(tuple(chance.things), camera, sky=sky, sides=chance.choice((6, 8)))
@@ -37,7 +38,7 @@ def random_scene(seed: int) -> tuple[Scene, bool]:
 
 
 class _Chance:
-    """A scene on its way; places and sizes in image heights, which become metres at a thing's distance."""
+    """Build a scene; positions and sizes are in image heights, converted to metres at an object's distance."""
 
     def __init__(self, seed: int):
         self.random, self.leaning = Random(seed * 7919 + 13), seed >= LEANING
@@ -45,21 +46,23 @@ class _Chance:
         self.things: list[Thing] = []
         self.focus = self.choice((0.7, 1.2, 2.5, 2.5, 5.0, 9.0))
         self.coc = exp(self.between(log(SMALLEST), log(LARGEST)))
-        # metres of an image height, a metre away
+        # metres per image height at a distance of one metre
         self.view = SENSOR_HEIGHT * (self.focus - FOCAL_LENGTH) / (FOCAL_LENGTH * self.focus)
         self.far = self.focus * self.choice((4, 8, 15))
-        # x, y and radius of what lights may stand beside
+        # x, y and radius of subjects next to which lights may be placed
         self.subjects: list[tuple[float, float, float]] = []
 
     def color(self, low: float, high: float, count: int = 3) -> list[float]:
+        """Return random channels between two values."""
         return [self.between(low, high) for _ in range(count)]
 
     def add(self, distance: float, x: float, y: float, width: float, height: float, *rest, **named) -> None:
+        """Add an object at a distance in metres."""
         scale = self.view * distance
         self.things.append(Thing((x * scale, y * scale, distance), (width * scale, height * scale), *rest, **named))
 
     def backdrop(self) -> None:
-        """A wall or an even one or none; a floor or none."""
+        """Add a patterned or plain wall, or none, and a floor or none."""
         between, choice, wall = self.between, self.choice, (1.7 * self.far, 0, 0, 2.2 / 1.7, 1.2 / 1.7)
         if self.random.random() < 0.6:
             colors, pattern = (self.color(0.2, 1.2), self.color(0.01, 0.08)), choice(("checks", "windows"))
@@ -72,7 +75,7 @@ class _Chance:
             self.things.append(Thing(place, size, *colors, "floor", "checks", choice((5, 9))))
 
     def around_the_focus(self) -> None:
-        """Discs and cards near it, some leaning; posts and cards behind it."""
+        """Add discs and cards near the focus, some leaning, and posts and cards behind it."""
         between, choice = self.between, self.choice
         if self.leaning:
             self.coc = between(0.08, 0.25)
@@ -103,6 +106,7 @@ class _Chance:
             self.add(distance, *place, *size, color, *pattern, 0.5 if post else choice((0.5, 4, 7)), turn)
 
     def far_lights(self) -> None:
+        """Add far lights, some of them at a subject's rim."""
         between, choice = self.between, self.choice
         if not self.leaning and self.random.random() >= 0.8:
             return
@@ -115,7 +119,7 @@ class _Chance:
             self.add(distance, x, y, radius, radius, [light * part for part in self.color(0.25, 1)], shape="disc")
 
     def near_things(self) -> None:
-        """Leaves to the left and right of the middle, thin bars through the picture, lights."""
+        """Add leaves left and right of the middle, thin bars across the image, and lights."""
         between, choice, nearest = self.between, self.choice, max(0.25, 1 / (1 + NEAREST_COC / self.coc)) + 0.02
         leaves, largest = ((0, 0.12), (8, 0.12), (24, 0.12), (3, 0.3))[1 if self.leaning else choice((0, 1, 1, 2, 3))]
         for _ in range(leaves):

@@ -1,4 +1,4 @@
-"""Methods on random scenes: FLIP, what is wrong counted, and the worst places to look at."""
+"""Score methods on random scenes: FLIP, number of faulty pixels, and the worst places to look at."""
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import astuple
@@ -20,14 +20,16 @@ from lab.rasterised.rasteriser import Rasteriser
 
 SIZE, POINTS = (320, 180), 320
 APERTURES = {6: "hexagon", 8: "octagon"}
-# Scenes of a job, whose driver is made once
+# Scenes per job, which share a driver
 PORTION = 5
-# On the sheet: pixels of a place, how much larger they are shown, places of a scene and of all, what error is white
+# The sheet: size of a place in pixels, its zoom, places per scene and in total, the error that is shown white
 PLACE, ZOOM, PLACES, SHOWN, WHITE = 56, 4, 2, 12, 0.33
 
 
 class Score(NamedTuple):
-    """A method on a scene: numbers by name; the worst places, how far beyond the limit each is and its pictures."""
+    """Hold a method's result on a scene: numbers by name; and the worst places, each with its excess over the limit
+    and images.
+    """
 
     row: dict
     places: list[tuple[float, list[Captioned]]]
@@ -43,9 +45,11 @@ def scores(
     seeds: Iterable[int], methods: Sequence[str], driver: str, adapter: str | None = None,
     size: tuple[int, int] = SIZE, points: int = POINTS,
 ) -> list[Score]:  # fmt: skip
-    """Scenes of some seeds by some of labels.METHODS, in a size (width, height), the truth through so many points.
+    """Draw random scenes by some of labels.METHODS.
 
-    A row has: seed, label, flip, light relative to the truth, and the pixels of each of faults.LIMITS.
+    size    (width, height)
+    points  of the lens for the truth
+    A row has: seed, label, flip, light relative to the truth, and the number of pixels for each of faults.LIMITS.
     """
     (used, rasteriser), found = _tools(driver, adapter, size, points), []
     for seed in seeds:
@@ -65,7 +69,7 @@ def scores(
 
 
 def _worst(row: Mapping, wrong: Mapping[str, np.ndarray], images: Sequence[np.ndarray]) -> list:
-    """Places apart from each other; images: input, ours, truth."""
+    """Return the worst places, which do not overlap; images: input, result, truth."""
     excess = {name: faults.around(values, 1, np.mean) / faults.LIMITS[name] for name, values in wrong.items()}
     shown, places = [pictures.filmic(image, faults.RANDOM_EXPOSURE) for image in images], []
     error = np.abs(faults.display(images[1]) - faults.display(images[2])).max(axis=-1)
@@ -84,13 +88,13 @@ def _worst(row: Mapping, wrong: Mapping[str, np.ndarray], images: Sequence[np.nd
 
 
 def sheet(found: Sequence[Score]) -> np.ndarray:
-    """The worst places of all, 8-bit rgb: input, ours, truth, error."""
+    """Return the worst places of all scores as 8-bit rgb: input, result, truth, error."""
     places = sorted((place for score in found for place in score.places), key=lambda place: -place[0])
     return pictures.grid([panels for _, panels in places[:SHOWN]])
 
 
 def table(rows: Sequence[Mapping]) -> list[str]:
-    """A row for a method: mean, 95th percentile and worst of the scenes."""
+    """Return a table with a row per method: mean, 95th percentile and worst over the scenes."""
     lines = [
         f"| {len({row['seed'] for row in rows})} scenes | FLIP | bright | dark | rough | light |",
         "|---" * 6 + "|",
@@ -106,7 +110,7 @@ def table(rows: Sequence[Mapping]) -> list[str]:
 
 
 def by_processes(methods: Sequence[str], driver: str, adapter: str | None, seeds: Sequence[int]) -> list[Score]:
-    """What scores() gives, by several processes."""
+    """Return what scores() returns, computed in several processes."""
     work = [(scores, (seeds[at : at + PORTION], methods, driver, adapter)) for at in range(0, len(seeds), PORTION)]
     with terminal.progress("truth", len(work)) as step:
         return [score for portion in jobs.run(work, step) for score in portion]
@@ -115,6 +119,6 @@ def by_processes(methods: Sequence[str], driver: str, adapter: str | None, seeds
 def report(
     methods: Sequence[str], driver: str, adapter: str | None, seeds: Sequence[int]
 ) -> tuple[list[dict], list[str]]:
-    """Rows of scores() and their table."""
+    """Return the rows of scores() and their table."""
     rows = [score.row for score in by_processes(methods, driver, adapter, seeds)]
     return rows, [*table(rows), "Mean / 95th percentile / worst of the scenes: FLIP; pixels that are wrong"]

@@ -1,7 +1,7 @@
-"""Any scene in a moment: colour and depth through a pinhole, and the truth through a polygonal lens, both rasterised.
+"""Rasterise a scene within moments: colour and depth through a pinhole, and the truth through a polygonal lens.
 
-The camera goes to points of the aperture, with a frustum that is sheared so that the plane of focus stays where it is,
-and the pictures are averaged (Haeberli and Akeley, The Accumulation Buffer, 1990).
+The camera moves to points of the aperture, with a frustum sheared so that the plane of focus stays fixed, and the
+images are averaged (Haeberli and Akeley, The Accumulation Buffer, 1990).
 """
 
 from collections.abc import Sequence
@@ -17,11 +17,11 @@ from bokeh_validation.frame.methods import Camera
 
 SHAPES = ("disc", "card", "floor", "sphere")
 PATTERNS = ("plain", "checks", "windows", "dapples", "shaded")
-# Pictures that are drawn before they are added up; samples of a pixel of the antialiased input
+# Images that are drawn before they are summed; samples per pixel of the antialiased input
 VIEWS, ANTIALIASING = 16, 16
-# Metres to where nothing is; cells of a sphere's mesh, around and from pole to pole
+# Metres to the sky; cells of a sphere's mesh, around it and from pole to pole
 SKY, SPHERE_CELLS = 200.0, (64, 32)
-# Multiples of these fill a square evenly, whatever their number: powers of 1 / 1.3247..., the R2 sequence
+# Multiples of these fill a square evenly, for any count: powers of 1 / 1.3247..., the R2 sequence
 R2 = (0.7548776662466927, 0.5698402909980532)
 GOLDEN = 0.6180339887498949
 
@@ -84,7 +84,8 @@ void main()
 }
 """
 WHOLE = "#version 330\nvoid main() { gl_Position = vec4(ivec2(gl_VertexID & 1, gl_VertexID >> 1) * 4 - 1, 0.0, 1.0); }"
-# Hidden is what lies behind all of the 3 x 3 pixels around its place in the pinhole's picture, or beside that picture.
+# "hidden" is what lies behind all of the 3 x 3 pixels around its position in the pinhole's image, or outside that
+# image.
 ADD = f"""#version 330
 uniform sampler2D views, pinhole;
 uniform vec4 points[{VIEWS}]; // of the lens, metres; of the pixel, image heights
@@ -114,13 +115,16 @@ void main()
 
 
 class Thing(NamedTuple):
-    """An opaque thing of even light; leaves and lights are discs, bars are cards. Lengths in metres, colours linear.
+    """Describe an opaque object with uniform emission; leaves and lights are discs, bars are cards. Lengths are in
+    metres, colours linear.
 
-    place    of its middle: right, down and away from the origin
-    size     half its width and height; of a floor width and depth, of a sphere the radius twice
-    other    colour of a pattern's second half; cells: of checks and windows, on half the width
-    turn     radians, from right to down; sway: radians that this swings to both sides
-    lean     metres away for each metre right, and down
+    place   of its middle: right, down and away from the origin
+    size    half its width and height; for a floor width and depth, for a sphere twice the radius
+    other   second colour of a pattern
+    cells   of checks and windows, per half of the width
+    turn    rotation in radians, from right to down
+    lean    metres away per metre to the right, and down
+    sway    amplitude of a swinging rotation, radians
     """
 
     place: tuple[float, float, float]
@@ -136,8 +140,11 @@ class Thing(NamedTuple):
 
 
 class Scene(NamedTuple):
-    """Things at a moment. eye: the camera's place, as Thing.place; time: number of the frame, for what sways;
-    sides: of the aperture, two of them upright.
+    """Hold objects at a moment.
+
+    eye    position of the camera, as Thing.place
+    time   number of the frame, for objects that sway
+    sides  of the aperture, two of which are vertical
     """
 
     things: tuple[Thing, ...]
@@ -149,14 +156,17 @@ class Scene(NamedTuple):
 
     @property
     def zoom(self) -> float:
-        """Distance of the image behind the lens, over the sensor's height."""
+        """Return the distance of the image behind the lens, over the sensor's height."""
         focal, focus = self.camera.focal_length, self.camera.focus_distance
         return focal * focus / (focus - focal) / self.camera.sensor_height
 
 
 class Pinhole(NamedTuple):
-    """What a filter is given: colour (H, W, 4) float16; depth of one sample (H, W) float32, metres; pixels right and
-    down that each pixel has come since the moment before (H, W, 2).
+    """Hold the input of a filter.
+
+    color  (H, W, 4) float16
+    depth  of one sample, (H, W) float32, metres
+    moved  pixels right and down that each pixel has moved since the previous moment, (H, W, 2)
     """
 
     color: np.ndarray
@@ -165,8 +175,11 @@ class Pinhole(NamedTuple):
 
 
 class Lens(NamedTuple):
-    """The truth (H, W, 3) float32; the share of the lens that sees what no pixel of the pinhole's picture holds (H, W);
-    and the light of that share (H, W, 3).
+    """Hold the truth.
+
+    color         (H, W, 3) float32
+    hidden        fraction of the lens that sees what the pinhole's image does not contain, (H, W)
+    hidden_color  the light of that fraction, (H, W, 3)
     """
 
     color: np.ndarray
@@ -175,8 +188,9 @@ class Lens(NamedTuple):
 
 
 class Rasteriser:
-    """Draws scenes of a size (width, height) through `points` of the aperture, a multiple of VIEWS. On OpenGL: raises
-    Unavailable where there is none.
+    """Draw scenes of a size (width, height) through `points` of the aperture, a multiple of VIEWS.
+
+    Raises Unavailable without OpenGL.
     """
 
     def __init__(self, size: tuple[int, int], points: int = 384, driver: drivers.Driver | None = None):
@@ -198,9 +212,9 @@ class Rasteriser:
     def pinhole(
         self, scene: Scene, before: Scene | None = None, antialiased: bool = False, place: Sequence[float] = (0.0, 0.0)
     ) -> Pinhole:
-        """Colour of one sample a pixel or of ANTIALIASING.
+        """Draw a scene through a pinhole, with one colour sample per pixel or ANTIALIASING of them.
 
-        before  the scene at the moment before, for what has moved
+        before  the scene at the previous moment, for `moved`
         place   of the sample in the pixel, pixels from its middle
         """
         self._draw(self.pinhole_frame, scene, np.array([(0.0, 0.0, *place)]), before)
@@ -212,19 +226,19 @@ class Rasteriser:
         return Pinhole(np.dstack([color[..., :3], np.ones_like(depth)]).astype(np.float16), depth, moved)
 
     def lens(self, scene: Scene) -> Lens:
-        """The truth, each point of the lens with its own place in the pixel."""
+        """Draw the truth; each point of the lens has its own position in the pixel."""
         self._draw(self.pinhole_frame, scene, np.zeros((1, 4)))
         square, corners = (
             np.outer(np.arange(3 * self.points), R2) % 1.0 - 0.5,
             aperture_shapes.even_polygon(scene.sides),
         )
         points = square[geometry.inside(corners, *square.T)][: self.points] * scene.camera.aperture_diameter
-        # in an order that has nothing to do with that of the places in the pixel
+        # in an order that is unrelated to the order of the positions in the pixel
         color, hidden = self._average(scene, np.random.default_rng(1).permutation(points))
         return Lens(color[..., :3], color[..., 3], hidden[..., :3])
 
     def _average(self, scene: Scene, lens: np.ndarray) -> list[np.ndarray]:
-        """Means of the outputs of ADD over points of the lens (n, 2)."""
+        """Return the means of ADD's outputs over points of the lens (n, 2)."""
         context, adding = self.driver.context, self.adding
         adding["focus"], adding["zoom"] = scene.camera.focus_distance, scene.zoom
         self.sum_frame.clear()
@@ -241,13 +255,15 @@ class Rasteriser:
         return [self._read(texture) / len(lens) for texture in self.textures[3:]]
 
     def _draw(self, frame: moderngl.Framebuffer, scene: Scene, views: np.ndarray, before: Scene | None = None) -> None:
-        """The scene, one view below the other: (n, 4), point of the lens, metres; place in the pixel, pixels."""
+        """Draw the scene once per view, one below the other; views (n, 4): point of the lens in metres, position in
+        the pixel.
+        """
         self.driver.make_current()
         (width, height), before, program = self.size, before or scene, self.program
         program["eye"], program["eyeBefore"] = scene.eye, before.eye
         program["time"], program["zoom"] = (scene.time, before.time), (scene.zoom, before.zoom)
         program["focus"], program["aspect"] = scene.camera.focus_distance, width / height
-        # the nearest first: what they hide costs nothing then
+        # nearest objects first, so that what they hide is not shaded
         things = sorted(scene.things, key=lambda thing: thing.place[2])
         arrays = [self._array([t for t in things if (t.shape == "sphere") == spheres], spheres) for spheres in (0, 1)]
         frame.clear(*scene.sky, SKY)
@@ -259,7 +275,7 @@ class Rasteriser:
                     array.render(moderngl.TRIANGLES, instances=count)
 
     def _array(self, things: Sequence[Thing], spheres: int) -> tuple[moderngl.VertexArray, int] | None:
-        """Things of one mesh, ready to be drawn, and how many."""
+        """Return the vertex array of objects that share a mesh, and their number; None if there are none."""
         if not things:
             return None
         rows = [
@@ -276,14 +292,14 @@ class Rasteriser:
 
 
 def _mesh(columns: int, rows: int) -> bytes:
-    """Triangles that cover -1 .. 1, two a cell."""
+    """Return triangles that cover -1 to 1, two per cell."""
     cells = np.stack(np.meshgrid(np.arange(columns), np.arange(rows)), axis=-1).reshape(-1, 1, 2)
     corners = cells + np.array([(0, 0), (1, 0), (0, 1), (0, 1), (1, 0), (1, 1)])
     return (corners / (columns, rows) * 2.0 - 1.0).astype("f4").tobytes()
 
 
 def places_in_pixel(count: int) -> np.ndarray:
-    """Spread evenly, in pixels from its middle, which is their mean: (count, 2)."""
+    """Return evenly spread positions in a pixel, in pixels from its middle, which is their mean: (count, 2)."""
     numbers = np.arange(count)
     places = np.stack([(numbers + 0.5) / count, numbers * GOLDEN % 1.0], axis=-1)
     return places - places.mean(axis=0)

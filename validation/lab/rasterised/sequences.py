@@ -1,4 +1,4 @@
-"""A street at night that moves by fractions of a pixel a frame, and such streets through small apertures."""
+"""Build a street at night that moves by fractions of a pixel per frame, and such streets through small apertures."""
 
 from collections.abc import Callable
 from dataclasses import replace
@@ -8,15 +8,15 @@ from bokeh_validation.frame.methods import Camera
 from lab.rasterised.rasteriser import Scene, Thing
 
 CAMERA = Camera(0.0714, 0.05, 2.5, 0.024, 0.3)
-# Moderate blur, CoC of 1 to 10 pixels in 270 rows: seed of a street, aperture and focus, metres
+# Moderate blur, CoC of 1 to 10 pixels in 270 rows: seed of a street, aperture and focus in metres
 MODERATE = ((7, 0.01, 2.5), (8, 0.015, 2.5), (9, 0.02, 2.5), (5, 0.03, 2.5), (11, 0.012, 1.2))
 
 
 def street(seed: int = 5, aperture: float = 0.0714, focus: float = 2.5, light: float = 0.005) -> Scene:
-    """Windows and lights far away, cards around 2.5 metres, leaves, lights and thin bars near.
+    """Return a street with far windows and lights, cards around 2.5 metres, and near leaves, lights and thin bars.
 
     aperture, focus  metres
-    light            radius over distance of those far away; 0.0014 is a pixel in 270 rows
+    light            radius over distance of the far lights; 0.0014 is a pixel in 270 rows
     """
     random = Random(seed)
     between, choice = random.uniform, random.choice
@@ -49,7 +49,7 @@ def street(seed: int = 5, aperture: float = 0.0714, focus: float = 2.5, light: f
 
 
 def _sideways(scene: Scene, frame: int) -> Scene:
-    """Half a pixel a frame at the focus, in 270 rows."""
+    """Move the camera sideways by half a pixel per frame at the focus, in 270 rows."""
     return scene._replace(eye=(0.00221 * frame, -0.0004 * frame, 0.0), time=frame)
 
 
@@ -57,7 +57,7 @@ def _pulled(scene: Scene, frame: int) -> Scene:
     return scene._replace(camera=replace(scene.camera, focus_distance=CAMERA.focus_distance * 1.01**frame))
 
 
-# name -> the scene at frame 0, and at any
+# name -> the scene at frame 0, and a function that moves it to any frame
 MOTIONS: dict[str, tuple[Callable[[], Scene], Callable[[Scene, int], Scene]]] = {
     "still": (street, lambda scene, frame: scene),
     "pan": (street, _sideways),
@@ -69,6 +69,6 @@ MOTIONS: dict[str, tuple[Callable[[], Scene], Callable[[Scene, int], Scene]]] = 
 
 
 def moment(name: str, frame: int) -> Scene:
-    """A frame of one of MOTIONS; those before 0 lead to what is measured."""
+    """Return a frame of one of MOTIONS; frames before 0 precede the measured ones."""
     first, moved = MOTIONS[name]
     return moved(first(), frame)

@@ -1,5 +1,6 @@
-"""validation/run bench: each language draws what the package does, what it writes, and how it judges. No time is held
-to anything here: `bench --judge` does that, on a machine that does nothing else.
+"""Test validation/run bench: each language draws the package's images, what it writes, and how it judges.
+
+Times are not tested here: `bench --judge` does that, on an otherwise idle machine.
 """
 
 import json
@@ -20,7 +21,7 @@ SOME = {key: bench.settings()[key] for key in ("paper", "exact low", "layered me
 
 @pytest.mark.parametrize("name", ["egl", "dxc"])
 def test_pictures(name, tmp_path):
-    """GLSL's and HLSL's frames are those of the drivers, to the bit. Those of WGSL: test_pack.py."""
+    """Check that GLSL's and HLSL's frames are bit-identical to those of the drivers. test_pack.py checks WGSL."""
     driver, images = load(name), bench.textures(SIZE)
     pack.fill(tmp_path, SOME, [images], wheels=False)
     (plans,) = json.loads((tmp_path / "frames.json").read_bytes())["sizes"].values()
@@ -39,7 +40,9 @@ def test_pictures(name, tmp_path):
 
 
 def test_command(tmp_path, monkeypatch):
-    """Every frame with its passes as `plan` prints them, their fetches, bytes and times."""
+    """Check that the command lists every frame with its passes as `plan` prints them, their fetches,
+    bytes and times.
+    """
     load("wgpu")
     monkeypatch.setattr(bench, "table_one", partial(bench.table_one, (4,)))
     file = tmp_path / "times.json"
@@ -57,7 +60,7 @@ def test_command(tmp_path, monkeypatch):
 
 
 def rows(**slower: float) -> list[dict]:
-    """Frames that are within every bound, some of them so many times slower. Their medians are not judged."""
+    """Return frames within every bound, some of them slower by a factor. Their medians are not judged."""
     every = {key: 1.0 for pair in bench.BOUNDS for key in pair} | {"naive 144": 3.0, "exact hexagon 576": 0.4}
     return [
         {"key": key, "passes": [], "fetches": {"color": 1.0, "depth": 0.0}, "bytes": 8.0,
@@ -72,7 +75,9 @@ def rows(**slower: float) -> list[dict]:
      ({"exact_hexagon_576": 1.3}, ["exact hexagon 576 takes 0.52"]), ({"paper_hexagon_144": 1.2}, ["naive 144"])],
 )  # fmt: skip
 def test_judged(slower, told, monkeypatch):
-    """Exit code 1 and a line where a frame takes more of the time of another than its bound; at least 12 rounds."""
+    """Check for exit code 1 and a line if a frame exceeds its bound relative to another; at least 12
+    rounds are drawn.
+    """
     asked = []
 
     def timed(every, *others):

@@ -1,5 +1,7 @@
-"""validation/run demo: the page from disk. Node.js works its controls (integration/demo/test) and leaves what it drew;
-here that is compared with the reference, the driver, and the page of `validation/run peers`.
+"""Test validation/run demo with the page from disk.
+
+Node.js operates its controls (integration/demo/test) and leaves what it drew; here that is compared with the
+reference, the driver, and the page of `validation/run peers`.
 """
 
 import json
@@ -48,19 +50,19 @@ pytestmark = [
 
 
 def settings_of(method: str, aperture: str) -> methods.Settings:
-    """What the page should draw with LENS."""
+    """Return the settings that the page should draw with LENS."""
     name = f"{method} {aperture}" + ("" if method == "paper" else " low")
     return replace(demo.settings()[name], camera=CAMERA, rotation=17.0, squeeze=0.6)
 
 
 def own_pixels() -> tuple[np.ndarray, np.ndarray]:
-    """market_7, each sixth pixel: color and depth."""
+    """Return every sixth pixel of market_7: color and depth."""
     scene = ray_traced.picture(ray_traced.MARKET)
     return tuple(np.ascontiguousarray(pixels[::6, ::6]) for pixels in (scene.color, scene.depth))
 
 
 def own(depth=True, compression=OpenEXR.ZIP_COMPRESSION, kind=np.float16) -> bytes:
-    """The same as somebody's EXR."""
+    """Return the same image as a user's EXR file."""
     color, z = own_pixels()
     channels = {name: np.ascontiguousarray(color[..., i].astype(kind)) for i, name in enumerate("RGB")}
     with tempfile.NamedTemporaryFile(suffix=".exr") as target:
@@ -71,7 +73,7 @@ def own(depth=True, compression=OpenEXR.ZIP_COMPRESSION, kind=np.float16) -> byt
 
 
 def write_given(folder: Path) -> None:
-    """Write the files that the page is given, and cases.json: what to draw of them and which pictures to leave."""
+    """Write the files that the page is given, and cases.json: what to draw of them and which images to leave."""
     (folder / "own.exr").write_bytes(own())
     (folder / "color.exr").write_bytes(own(depth=False))
     (folder / "two types.exr").write_bytes(own(compression=OpenEXR.PIZ_COMPRESSION))
@@ -95,7 +97,9 @@ def write_given(folder: Path) -> None:
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory) -> Path:
-    """Where page.html and site/ are, what --output writes; given/ and drawn/. The name has a space in it."""
+    """Return a folder, with a space in its name, that has page.html and site/ as written by --output, and given/ and
+    drawn/.
+    """
     made = tmp_path_factory.mktemp("a page")
     with needed("npm"):
         pages.check_node()
@@ -111,7 +115,7 @@ def folder(tmp_path_factory) -> Path:
 
 @pytest.fixture(scope="module")
 def worked(folder, tmp_path_factory) -> Path:
-    """It, after Node.js has worked the page."""
+    """Return that folder after Node.js has operated the page."""
     project = demo.copied(tmp_path_factory.mktemp("repository") / "copy")
     (tests,) = files(demo.PROJECT)
     assert_passes(project, tests, {"BOKEH_PAGE": str(folder)})
@@ -119,7 +123,9 @@ def worked(folder, tmp_path_factory) -> Path:
 
 
 def test_links():
-    """Into the repository, where its address is known; each leads to a file that is there."""
+    """Check that the page links into the repository if its address is known, and that each link leads to an existing
+    file.
+    """
     assert demo.links("") == []
     found = demo.links("git+https://example.com/owner/name.git")
     assert found[0] == ("source", "https://example.com/owner/name")
@@ -129,15 +135,15 @@ def test_links():
 
 
 def test_page_by_hand(worked):
-    """Every test of integration/demo/test passes, and the one file is no larger than 12 MB."""
+    """Run every test of integration/demo/test; the single file must be at most 12 MB."""
     assert (worked / "page.html").stat().st_size < 12e6
-    # the data is text: nothing but the page's own markup names an address
+    # the page is self-contained: only its own markup could refer to an address
     markup = re.sub(r"<(script|style)\b.*?</\1>", "", (worked / "page.html").read_text(encoding="utf-8"), flags=re.S)
     assert re.findall(r'(?:src|href)="(?!data:)', markup) == []
 
 
 class Drawn(Driver):
-    """What a side of the page showed, as a driver whose settings were those of its controls."""
+    """Provide what one side of the page showed as a driver, as if it had the settings of the page's controls."""
 
     name, software = "the page", False
 
@@ -146,7 +152,7 @@ class Drawn(Driver):
         self.adapter, self.rounding = device.adapter, device.rounding
 
     def run(self, passes, textures, size, storage="half", keep=("result",)):
-        """What it has drawn; the passes, only what it should have, say how large that is."""
+        """Return what the page drew; the passes that it should have drawn determine the sizes."""
         scales = {name: item.scale for item in passes for name in item.outputs}
         found = {}
         for name in keep:
@@ -156,16 +162,16 @@ class Drawn(Driver):
         return found
 
     def pictures(self, size: tuple[int, int], *names: str) -> list[np.ndarray]:
-        """By their names, in the size of the scene."""
+        """Return images by their names, in the size of the scene."""
         return list(self.run((), {}, size, keep=names).values())
 
 
 @pytest.mark.parametrize(("method", "aperture"), METHODS)
 def test_shows_the_reference(worked, method, aperture):
-    """A picture of one's own, blurred as the controls say: every pixel within the reference's interval.
+    """Check a user's image, blurred by the controls: every pixel must be within the reference's interval.
 
-    Each pass is judged on what the page had in its inputs, since the page draws only whole frames. Steps are not
-    counted: see drivers.web of SwiftShader's sine.
+    Each pass is judged on the page's own inputs, since the page draws only whole frames. The bounds in steps do not
+    apply, because of SwiftShader's sine (drivers/base.py).
     """
     color, depth = own_pixels()
     case, page = Case("own", settings_of(method, aperture), color, depth), Drawn(worked, f"{method} {aperture}")
@@ -179,7 +185,9 @@ def test_shows_the_reference(worked, method, aperture):
 
 
 def test_scene(worked):
-    """market_7 in full: layered to the bit as the driver, the lens's picture, and the canvas with both of them."""
+    """Check market_7 in full: layered is bit-identical to the driver, the lens's image is shown, and the canvas shows
+    both.
+    """
     case = ray_traced.scene_case(ray_traced.MARKET, "layered", "hexagon")
     # the page's depth has 16 bits
     case = replace(case, depth=demo.shown_depth(ray_traced.MARKET).astype(np.float32))
@@ -191,13 +199,13 @@ def test_scene(worked):
         np.testing.assert_array_equal(shown[..., :3], image[..., :3])
     canvas = np.fromfile(worked / "drawn" / "market_7 canvas.u8", np.uint8).reshape(540, 960, 4)
     left, right = (pictures.filmic(image, demo.EXPOSURE["market_7"]) for image in (truth, expected))
-    # a step: the page's arithmetic is float32
+    # within a step, since the page computes in float32
     assert np.abs(canvas[..., :3].astype(int) - np.hstack([left[:, :480], right[:, 480:]])).max() <= 1
 
 
 @pytest.fixture(scope="module")
 def beside():
-    """market_7 on the page of validation/run peers."""
+    """Open market_7 on the page of validation/run peers."""
     picture = ray_traced.picture(ray_traced.MARKET)
     with effects.Page(list(demo.OTHERS)) as opened:
         depth = demo.shown_depth(ray_traced.MARKET).astype(np.float32)
@@ -207,20 +215,22 @@ def beside():
 
 @pytest.mark.parametrize("name", demo.OTHERS)
 def test_others(worked, beside, name):
-    """Another library's depth of field, with the scene's lens: what `validation/run peers` makes of it."""
+    """Check that another library's depth of field, with the scene's lens, equals that of `validation/run peers`."""
     expected = beside.draw(name, effects.FOUND["market_7"][name])
     (shown,) = Drawn(worked, "market_7").pictures((960, 540), name)
     np.testing.assert_allclose(shown[..., :3], expected[..., :3], rtol=2e-3, atol=2e-3)
 
 
 def test_one_version_of_the_others():
-    """The page has the packages that its titles name: those of `validation/run peers`."""
+    """Check that the page has the package versions that its titles name: those of `validation/run peers`."""
     pins = [json.loads((where / "package.json").read_bytes()) for where in (demo.PROJECT, effects.FOLDERS[0])]
     assert pins[0]["dependencies"] == pins[1]["dependencies"]
 
 
 def test_own_pictures(worked):
-    """A picture and its depth.png; EXR of floats, of another compression. Refusals: integration/demo/test."""
+    """Check an image with its depth.png, and EXR with floats and other compression. integration/demo/test has
+    refusals.
+    """
     shown, metres = Drawn(worked, "a picture").pictures((40, 24), "color", "depth")
     linear = np.where(GREY <= 10.3, GREY / 255 / 12.92, ((GREY / 255 + 0.055) / 1.055) ** 2.4)
     np.testing.assert_allclose(shown[..., 0], linear, atol=1e-3)
@@ -233,7 +243,7 @@ def test_own_pictures(worked):
 
 
 def test_served(folder):
-    """The same over HTTP, to this machine; a port that is taken is refused in one line."""
+    """Check the page over HTTP, served to this machine only; a port in use is refused in one line."""
     with demo.server(0) as serving:
         threading.Thread(target=serving.serve_forever, daemon=True).start()
         host, port = serving.server_address

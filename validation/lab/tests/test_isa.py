@@ -1,7 +1,7 @@
-"""What the compiler of AMD's RDNA 2 makes of every pass, held to what it made of them before: the stock.
+"""Compare the RDNA 2 compiler's counts for every pass with recorded ones: the stock.
 
-The compiler comes with the system's Mesa, and another version counts otherwise, so the stock is for one version:
-`validation/run isa --table validation/lab/tests/isa_stock.tsv` makes it anew.
+The compiler is part of the system's Mesa, and other versions count differently, so the stock is for one version:
+`validation/run isa --table validation/lab/tests/isa_stock.tsv` writes it anew.
 """
 
 import re
@@ -15,12 +15,12 @@ from lab.isa import isa_command
 
 STOCK = Path(__file__).with_name("isa_stock.tsv").read_text(encoding="ascii").splitlines()
 MESA = "22.3.6"  # of the stock and of the documents
-# More than the stock by which a count may be: a compiler may order instructions otherwise, and adds a few copies
+# How much a count may exceed the stock: a compiler may order instructions differently and add a few copies
 TOLERANCE = 0.05
 
 
 def numbers(lines: list[str]) -> dict[str, dict[str, list[int]]]:
-    """Pass -> column -> the numbers of GLSL, HLSL and, where naga is installed, WGSL."""
+    """Return pass -> column -> the numbers of GLSL, HLSL and, if naga is installed, WGSL."""
     return {
         name: dict(zip(isa_command.COLUMNS, ([int(n) for n in cell.split(" / ")] for cell in cells), strict=True))
         for name, *cells in (line.split("\t") for line in lines)
@@ -28,7 +28,9 @@ def numbers(lines: list[str]) -> dict[str, dict[str, list[int]]]:
 
 
 def test_no_more_than_the_stock(tmp_path):
-    """Instructions, registers and latency within TOLERANCE above it; no fewer waves; nothing spills."""
+    """Check that instructions, registers and latency exceed the stock by at most TOLERANCE, with no fewer waves and no
+    spills.
+    """
     done = called("isa", "--table", tmp_path / "now.tsv")
     if f"Mesa {MESA}" not in done.stdout:
         pytest.skip(f"no compiler of Mesa {MESA} for AMD: {done.stdout}")
@@ -44,7 +46,7 @@ def test_no_more_than_the_stock(tmp_path):
 
 
 def test_latencies_of_the_document():
-    """docs/compilers.md: those of HLSL, GLSL and WGSL are the stock's."""
+    """Compare the latencies of HLSL, GLSL and WGSL in docs/compilers.md with the stock."""
     page = (paths.ROOT / "docs/compilers.md").read_text(encoding="utf-8")
     shown = re.findall(r"^\| (\w+) \| (\d+) \| (\d+) \| (\d+) \|$", page, re.MULTILINE)
     stock = numbers(STOCK)

@@ -1,4 +1,4 @@
-"""Motion: what flickers is measured, temporal anti-aliasing settles, and layered flickers less than the others."""
+"""Test motion: flicker is measured, temporal anti-aliasing settles, and layered flickers less than the others."""
 
 import numpy as np
 import pytest
@@ -11,7 +11,9 @@ SIZE, POINTS = (240, 136), 96
 
 
 def test_flicker():
-    """A constant error is none; one that comes and goes is its deviation, and twice that from frame to frame."""
+    """Check that a constant error is no flicker, and that an alternating one gives its deviation, and twice that per
+    frame.
+    """
     truth = [np.full((8, 8, 3), 0.5, np.float32)] * 4
     shown = [faults.display(frame) for frame in truth]
     assert motion.flicker([frame * 1.2 for frame in truth], shown)["deviation"] == (0.0, 0.0)
@@ -21,7 +23,9 @@ def test_flicker():
 
 
 def test_temporal_anti_aliasing():
-    """Of one sample a pixel it makes what many make; while the camera moves it needs to know what has moved how far."""
+    """Check that temporal anti-aliasing of one sample per pixel approaches many samples; in motion it
+    needs velocity.
+    """
     rasteriser = Rasteriser(SIZE, POINTS, load("egl"))
     off = {}
     for step, known in ((0, 1), (1, 1), (1, 0)):
@@ -39,7 +43,7 @@ def test_temporal_anti_aliasing():
 
 
 def test_steady():
-    """At rest only jitter moves: a steady map takes more than a third of what that changes, and half of the worst."""
+    """Check that at rest a steady map removes more than a third of the change due to jitter, and half of the worst."""
     rows, _ = motion.measured("still", ["exact", "layered medium"], "egl", None, SIZE, POINTS, 8)
     got = {(row["input"], row["label"]): row["change"] for row in rows}
     for label in ("exact", "layered medium"):
@@ -48,9 +52,10 @@ def test_steady():
 
 
 def test_pan(monkeypatch):
-    """Six frames: the paper's and layered's error changes less than the pinhole's; the table and the animation.
+    """Check six frames of a pan: errors of paper and layered change less than the pinhole's; the table and the
+    animation.
 
-    Over all frames layered's changes less than the paper's; in six the two are as good as equal.
+    Over all frames layered's error changes less than the paper's; in six frames the two are about equal.
     """
     monkeypatch.setattr(motion, "DETAIL", (100, 20, 80, 60))
 

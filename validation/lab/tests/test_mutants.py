@@ -1,4 +1,4 @@
-"""The mutants fit the shaders and change every function; a run tells those that show from those that do not."""
+"""Test that mutants fit the shaders and change every function, and that a run tells their outcomes apart."""
 
 import json
 import os
@@ -16,7 +16,7 @@ from lab.mutants.mutants_command import all_mutants
 
 EVERYTHING = all_mutants()
 NAMES = "caught alive refused equivalent broken"
-# `validation/run mutants` on one frame with mutants of one function, of which two do not end by themselves
+# Runs `validation/run mutants` on one frame with mutants of one function, two of which hang
 COMMAND = """
 import os, signal, sys, time
 from dataclasses import replace
@@ -46,13 +46,15 @@ cli.main()
 
 
 def command(*arguments: str, **more) -> subprocess.Popen:
-    """The command above."""
+    """Start the command above."""
     pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True, "start_new_session": True}
     return subprocess.Popen([sys.executable, "-c", COMMAND, *arguments], cwd=paths.VALIDATION, **pipes, **more)
 
 
 def test_every_function_is_changed(monkeypatch):
-    """No two mutants are the same, each row of equivalents.txt names one, and one that does not fit is an error."""
+    """Check that no two mutants are equal, each row of equivalents.txt names one, and one that does not fit is an
+    error.
+    """
     texts = {tuple(item.texts.items()) for item in EVERYTHING}
     assert len(texts) == len({item.name for item in EVERYTHING}) == len(EVERYTHING)
     functions = {name for _, name, *_ in operators.bodies()}
@@ -65,7 +67,7 @@ def test_every_function_is_changed(monkeypatch):
 
 
 def test_outcomes(tmp_path):
-    """The command ends with 1 where one does not show, or does not end."""
+    """Check the outcomes, and that the command ends with 1 if a mutant does not show or does not end."""
     process = command(NAMES, "--json", str(tmp_path / "found.json"))
     said, errors = process.communicate()
     assert (process.returncode, errors) == (1, "")
@@ -75,9 +77,9 @@ def test_outcomes(tmp_path):
 
 
 def test_interrupted(tmp_path):
-    """The command is gone within seconds, with its processes."""
+    """Check that an interrupted command ends within seconds, with its processes."""
     begun = tmp_path / "begun"
-    # whoever runs this in the background has its children ignore it
+    # a background shell makes its children ignore the signal
     foreground = {"preexec_fn": lambda: signal.signal(signal.SIGINT, signal.SIG_DFL)}
     process = command("endless", env={**os.environ, "BEGUN": str(begun)}, **foreground)
     while not begun.exists() and process.poll() is None:

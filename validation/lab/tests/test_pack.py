@@ -1,4 +1,4 @@
-"""validation/run bench --pack: a folder whose script draws what the package does, and times it."""
+"""Test validation/run bench --pack: a folder whose script draws the package's images and times them."""
 
 import json
 import os
@@ -19,7 +19,7 @@ SIZE = (72, 40)
 
 @pytest.fixture(scope="module")
 def packed(tmp_path_factory):
-    """The folder."""
+    """Return a packed folder."""
     folder = tmp_path_factory.mktemp("a folder") / "times here"
     done = called("bench", "--pack", folder, "--size", "72x40")
     assert done.returncode == 0, done.stderr
@@ -27,14 +27,14 @@ def packed(tmp_path_factory):
 
 
 def run(packed, folder, *options):
-    """The script elsewhere, with nothing of the package in its path."""
+    """Run the script from another folder, without the package in its path."""
     command = [sys.executable, "-I", str(packed / "bench.py"), *options]
     environment = {key: value for key, value in os.environ.items() if key != "PYTHONPATH"}
     return subprocess.run(command, cwd=folder, env=environment, capture_output=True, text=True, timeout=300)
 
 
 def test_times(packed, tmp_path):
-    """Every pass of every plan has a time, and all together no more than the frame."""
+    """Check that every pass of every plan has a time."""
     load("wgpu")
     done = run(packed, tmp_path, "--seconds", "0")
     assert done.returncode == 0, done.stderr
@@ -48,7 +48,7 @@ def test_times(packed, tmp_path):
 
 
 def test_pictures(packed):
-    """Its frames are those that the package draws, to the bit: each after all others, in the same textures."""
+    """Check that its frames are bit-identical to the package's, each drawn after all others in the same textures."""
     driver, pool, images = load("wgpu"), {}, bench.textures(SIZE)
     gpu, data = script.GPU(folder=packed), json.loads((packed / "frames.json").read_text())
     module = gpu.device.create_shader_module(code="".join((packed / name).read_text() for name in data["files"]))
@@ -62,14 +62,14 @@ def test_pictures(packed):
 
 
 def test_requirements(packed):
-    """Every package with its version and hashes."""
+    """Check that every package is listed with version and hashes."""
     text = (packed / "requirements.txt").read_text()
     names = [line.partition("==")[0] for line in text.splitlines() if "==" in line]
     assert names == ["cffi", "pycparser", "wgpu", "rubicon-objc"] and text.count("--hash") > len(names)
 
 
 def test_refused(packed, tmp_path, monkeypatch):
-    """One line and exit code 2."""
+    """Check that wrong options give one line and exit code 2."""
     refused(called("bench", "--pack", packed), ["is not empty"])
     refused(run(packed, tmp_path, "--adapter", "nothing"), ["no adapter nothing"])
     refused(run(packed, tmp_path, "--second", "x"), ["--seconds"])

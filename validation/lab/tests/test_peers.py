@@ -1,4 +1,4 @@
-"""validation/run peers: each effect on a small picture, and the search for parameters."""
+"""Test validation/run peers: each effect on a small image, and the search for parameters."""
 
 import numpy as np
 import pytest
@@ -13,7 +13,7 @@ from lab.rasterised import motion
 
 @pytest.fixture(scope="module")
 def page():
-    """All effects in a browser."""
+    """Open all effects in a browser."""
     with needed("Chromium, npm and cargo"):
         opened = Page(list(EFFECTS))
     with opened:
@@ -21,13 +21,13 @@ def page():
 
 
 def sharpest(image: np.ndarray) -> float:
-    """The largest step between neighbours in the blurred half."""
+    """Return the largest step between neighbours in the blurred half."""
     return abs(np.diff(image[:, 208:], axis=1)).max()
 
 
 @pytest.mark.parametrize("name", EFFECTS)
 def test_effect(page, name):
-    """Focus stays, the rest is blurred; a change of parameters leaves nothing behind."""
+    """Check that the focused half stays sharp, the rest is blurred, and a change of parameters leaves no trace."""
     # the lights of market_7, in focus on the left, far away on the right
     scene = ray_traced.MARKET
     color = ray_traced.picture(scene).color[100:356, 384:768, :3].astype(np.float32)
@@ -39,18 +39,18 @@ def test_effect(page, name):
     np.testing.assert_array_equal(first, again)
     assert abs(first - changed).max() > 0.1
     assert sharpest(first) < 0.5 * sharpest(color)
-    # as far from the edge as no blur reaches, and near the axis: pmndrs focuses on a sphere
+    # so far from the edge that no blur reaches it, and near the axis, since pmndrs focuses on a sphere
     assert abs(first[:, 96:160] - color[:, 96:160]).max() < 0.01 * color.max()
 
 
 def test_parameters_that_were_found():
-    """Every scene and the light have every effect's."""
+    """Check that every scene and the light have parameters of every effect."""
     assert set(FOUND) == {scene.name for scene in ray_traced.SCENES} | {ONE_LIGHT}
     assert all(set(of_effects) == set(EFFECTS) for of_effects in FOUND.values())
 
 
 def test_motion(monkeypatch):
-    """An effect in two frames of a small sequence, and its row of the table."""
+    """Draw an effect in two frames of a small sequence, and check its row of the table."""
     monkeypatch.setattr(motion, "SIZE", (192, 108))
     monkeypatch.setattr(motion, "FRAMES", 2)
     monkeypatch.setattr(other_effects, "search", lambda page, key, start, lens: start)
@@ -61,19 +61,19 @@ def test_motion(monkeypatch):
 
 
 class Planted:
-    """In place of a page: a picture that is the truth's where the parameters are as planted, the farther the worse."""
+    """Replace a page: its image equals the truth at planted parameters, and gets worse with their distance."""
 
     planted = {"focusRange": 5.0, "bokehScale": 1.6, "resolutionScale": 1.0}
 
     def draw(self, effect: str, parameters: dict) -> np.ndarray:
-        """A picture of the distance."""
+        """Return an image that shows the distance from the planted parameters."""
         assert effect == "DepthOfFieldEffect" and parameters["focusDistance"] == 5.0
         distance = sum(abs(np.log(parameters[name] / value)) for name, value in self.planted.items())
         return np.tile(np.linspace(0.1, 0.9, 32)[:, None], (32, 1, 4)) + 0.1 * distance
 
 
 def test_search():
-    """It finds the least FLIP by halves and doubles, then by steps of 0.8, and by an option."""
+    """Check that the search finds the lowest FLIP by halves and doubles, then by steps of 0.8, and by an option."""
     lens = other_effects.reduced(Planted().draw("DepthOfFieldEffect", Planted.planted | {"focusDistance": 5.0}))
     start = {"focusDistance": 5.0, "focusRange": 1.0, "bokehScale": 2.0, "resolutionScale": 0.5}
     found = other_effects.search(Planted(), "DepthOfFieldEffect", start, lens)

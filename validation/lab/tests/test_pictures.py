@@ -1,4 +1,4 @@
-"""validation/run pictures: it draws the pictures of the documents; all of them are recorded and shown."""
+"""Test validation/run pictures: it draws the documents' images; all of them are recorded and shown."""
 
 import json
 import re
@@ -16,13 +16,13 @@ from lab.documents import chart, drawings, frame_graph, gallery, pictures_comman
 README = (paths.ROOT / "README.md").read_text(encoding="utf-8")
 DOCUMENT = paths.ROOT / "docs" / "paper.md"
 PICTURES = paths.ROOT / "docs" / "reproduction"
-# Of 255, on average: single pixels at comparisons and last digits are what drivers differ by
+# Of 255, on average: drivers differ in single pixels at comparisons and in last digits
 MAX_DIFFERENCE = 0.5
 FIGURES = tuple(name for name in drawings.BY_NAME if name.startswith("figure_"))
 
 
 def assert_kept(drawn: Path, kept: Path, names: set[str]) -> None:
-    """A command drew these pictures, and they are those that are kept."""
+    """Check that a command drew these images, and that they match the stored ones."""
     assert {path.stem for path in drawn.iterdir()} == names
     for path in drawn.iterdir():
         pixels, wanted = (np.asarray(Image.open(folder / path.name)).astype(int) for folder in (drawn, kept))
@@ -31,12 +31,13 @@ def assert_kept(drawn: Path, kept: Path, names: set[str]) -> None:
 
 @pytest.fixture
 def asked(request):
-    """Of some names the first; with --all, every one."""
+    """Return the first of some names; with --all, every one."""
     every = request.config.getoption("--all")
     return lambda first, *others: [first, *(others if every else ())]
 
 
 def test_gallery(tmp_path, asked):
+    """Draw images of the gallery and compare them with the stored ones."""
     names = asked("character_cats_eye", *gallery.PICTURES, "focus_pull", "likeness_street_11_detail")
     done = called("pictures", *names, "--output", tmp_path)
     assert done.returncode == 0, done.stderr
@@ -44,25 +45,28 @@ def test_gallery(tmp_path, asked):
 
 
 def test_pictures_are_those_of_the_document(tmp_path, asked):
-    """As they are kept, but for what drivers differ by. Those of Figure 1 need a download, which may fail."""
+    """Draw figures and compare them with the stored ones, apart from differences between drivers.
+
+    Those of Figure 1 need a download, which may fail.
+    """
     given = asked("figure_12", *(name for name in FIGURES if name != "figure_12"))
     done = called("pictures", *given, "--output", tmp_path)
     assert done.returncode == 0, done.stderr
     names = {name for name in given if "figure_01" not in name or "not drawn" not in done.stdout}
     assert_kept(tmp_path, PICTURES, names)
-    # those that nothing draws any more are shown too, each once
+    # figures that are no longer drawn are shown too, each once
     shown = re.findall(r"\]\(reproduction/(\w+\.png)\)", DOCUMENT.read_text(encoding="utf-8"))
     assert sorted(shown) == sorted(path.name for path in PICTURES.iterdir())
 
 
 def test_no_picture_was_altered():
-    """Every picture of docs and integration is the file whose hash is recorded, and all that is recorded is there."""
+    """Check that every image of docs and integration has its recorded hash, and that all recorded files exist."""
     now = {name: pictures_command.file_hash(path) for name, path in pictures_command.every_picture().items()}
     assert now == {name: record["sha256"] for name, record in pictures_command.recorded().items()}
 
 
 def test_every_picture_is_drawn_or_kept():
-    """The table draws files that are there; those of docs that it does not draw are figures kept from version 0.2."""
+    """Check that the table draws existing files, and that other images of docs are figures kept from version 0.2."""
     names = {path.stem for path in pictures_command.every_picture().values()}
     assert set(drawings.BY_NAME) < names
     by_nobody = {Path(name).stem for name, record in pictures_command.recorded().items() if not record["drawn_with"]}
@@ -71,7 +75,7 @@ def test_every_picture_is_drawn_or_kept():
 
 
 def test_frame_graph():
-    """The drawing of the passes is that of the frame as it is now, and has every pass and texture."""
+    """Check that the stored drawing of the passes is up to date, and has every pass and texture."""
     kept = (paths.ROOT / "docs/images/frame_graph.svg").read_text(encoding="utf-8")
     assert frame_graph.draw() == kept, "draw it: validation/run pictures frame_graph"
     planned = json.loads(frame_graph.FRAME.read_text(encoding="utf-8"))
@@ -81,7 +85,7 @@ def test_frame_graph():
 
 
 def test_chart():
-    """The chart has a bar for every method that was measured, and is that of docs/data as it is now."""
+    """Check that the stored chart is up to date, and has a bar for every measured method."""
     kept = (paths.ROOT / "docs/images/flip_by_method.svg").read_text(encoding="utf-8")
     assert chart.draw() == kept, "draw it: validation/run pictures flip_by_method"
     measured = results.flip_means()
@@ -90,7 +94,7 @@ def test_chart():
 
 
 def test_older_than_its_shaders(monkeypatch):
-    """A change of a shader's code makes a picture older, a comment does not."""
+    """Check that a change of a shader's code makes an image outdated, and that a comment does not."""
     before, text = drawings.BY_NAME["focus_pull"].digest(), drawings.shaders.file_text
     monkeypatch.setattr(drawings.shaders, "file_text", lambda *file: text(*file) + "\n// nothing\n")
     assert drawings.BY_NAME["focus_pull"].digest() == before
@@ -101,7 +105,7 @@ def test_older_than_its_shaders(monkeypatch):
 
 
 def test_record(tmp_path, monkeypatch):
-    """A file in a wrong place is refused; of another the record has the hash. What stays is recorded as before."""
+    """Check that a file in a wrong place is refused, and that recording an unchanged file changes nothing."""
     refused(called("pictures", "--record", tmp_path / "x.png"), ["--record", "no picture"])
     before = pictures_command.RECORD.read_text()
     copy = tmp_path / "pictures.json"
@@ -112,7 +116,9 @@ def test_record(tmp_path, monkeypatch):
 
 
 def test_pictures_of_the_readme():
-    """Each below 700 kB, with a command under it that the program has; the gallery's are all shown somewhere."""
+    """Check that the README's images are below 700 kB with an existing command, and that all drawn images are shown
+    somewhere.
+    """
     shown = re.findall(r"!\[[^\]]*\]\(([^)]+)\)", README)
     for picture in shown:
         assert (paths.ROOT / picture).stat().st_size < 700_000, picture
@@ -124,7 +130,7 @@ def test_pictures_of_the_readme():
 
 
 def test_without_npm(tmp_path, monkeypatch):
-    """The other figures are drawn; a line says what is missing for the photographs."""
+    """Check that figures are drawn without npm, with a line on what the photographs need."""
     monkeypatch.setenv("BOKEH_CACHE", str(tmp_path / "cache"))
     monkeypatch.setenv("PATH", str(tmp_path))
     done = called("pictures", "figure_01_a", "figure_13", "--output", tmp_path)

@@ -1,4 +1,4 @@
-"""Random scenes: what is counted is what it is called; twelve small ones within bounds; the command."""
+"""Test random scenes: faults are counted as named, twelve small scenes are within bounds, and the command works."""
 
 import json
 
@@ -9,19 +9,21 @@ from lab.rasterised import faults, random_score
 from lab.rasterised.random_scenes import random_scene
 from lab.rasterised.rasteriser import Lens, Pinhole
 
-# Means of twelve scenes and the worst FLIP, in 0.3's first form .0972, 3.1, 7.7, 4.9 and .194
+# Maximum means over twelve scenes, and the worst FLIP; the first form of 0.3 had 0.0972, 3.1, 7.7, 4.9 and 0.194
 BOUNDS, WORST = {"flip": 0.099, "bright": 4, "dark": 9, "rough": 6}, 0.20
 
 
 def found(image: np.ndarray, truth: np.ndarray, hidden: float = 0.0) -> dict[str, np.ndarray]:
-    """Maps of faults.maps() with nothing or all of the lens hidden."""
+    """Return the maps of faults.maps() with a fraction of the lens hidden."""
     shape = truth.shape[:2]
     given = Pinhole(truth.astype(np.float16), np.ones(shape, np.float32), np.zeros((*shape, 2)))
     return faults.maps(image, given, Lens(truth, np.full(shape, hidden), truth * hidden), None)
 
 
 def test_faults():
-    """A speck is bright, a hole dark, noise rough; an edge 2 pixels off its place is none of them, 5 off is."""
+    """Check that a speck is bright, a hole dark, noise rough; an edge displaced by 2 pixels is none of them, by 5 it
+    is.
+    """
     truth = np.full((40, 60, 3), 0.2)
     truth[:, 30:] = 1.0
     assert not any(values.any() for values in found(truth, truth).values())
@@ -39,7 +41,7 @@ def test_faults():
 
 
 def test_scene():
-    """The same for a seed; a leaning subject from LEANING on; as many things as there may be."""
+    """Check that a seed always gives the same scene, with a plausible number of objects."""
     scene, antialiased = random_scene(3)
     assert random_scene(3) == (scene, antialiased) != random_scene(4)
     kinds = [random_scene(seed)[0] for seed in range(40)]
@@ -47,7 +49,9 @@ def test_scene():
 
 
 def test_dozen():
-    """Seeds 0 to 11 at 192 x 108, MEDIUM: FLIP, its worst, and pixels that are wrong are not more than they were."""
+    """Check seeds 0 to 11 at 192 x 108 with MEDIUM: FLIP, its worst, and faulty pixels must not exceed recorded
+    values.
+    """
     load("egl")
     scores = random_score.scores(range(12), ["layered medium"], "egl", None, (192, 108), 160)
     rows = [score.row for score in scores]
@@ -58,7 +62,7 @@ def test_dozen():
 
 
 def test_command():
-    """Rows for both seeds, and the table."""
+    """Check that the command gives rows for both seeds, and the table."""
     done = called(*"truth --random 2 --seed 5 --json - --driver egl".split())
     assert done.returncode == 0 and "| 2 scenes | FLIP |" in done.stderr, done.stderr
     assert [row["seed"] for row in json.loads(done.stdout)["rows"]] == [5, 6]

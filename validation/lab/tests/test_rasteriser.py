@@ -1,4 +1,4 @@
-"""The rasterised truth: against the thin lens's formula and a ray-traced light; and what a filter is given."""
+"""Test the rasterised truth against the thin lens's formula and a ray-traced light, and the input of a filter."""
 
 from dataclasses import astuple
 
@@ -19,23 +19,25 @@ SIZE = (160, 120)
 
 @pytest.fixture(scope="module", params=["egl", "osmesa"])
 def rasteriser(request) -> Rasteriser:
+    """Return a rasteriser on each driver."""
     return Rasteriser(SIZE, 512, load(request.param))
 
 
 def light(distance: float, pixels: float, x: float = 0.0) -> Thing:
-    """A disc of so many pixels' radius, x metres off the middle."""
+    """Return a disc with a radius in pixels, `x` metres off the middle."""
     radius = pixels * distance / (Scene((), CAMERA).zoom * SIZE[1])
     return Thing((x, 0.0, distance), (radius, radius), (1.0, 1.0, 1.0), shape="disc")
 
 
 def black(*things: Thing, **changes) -> Scene:
+    """Return a scene in front of black."""
     return Scene(things, CAMERA, sky=(0.0, 0.0, 0.0), **changes)
 
 
 @pytest.mark.parametrize("sides", [4, 6, 8])
 @pytest.mark.parametrize("distance", [1.2, 1.8, 8.0, 100.0])
 def test_thin_lens(rasteriser, distance, sides):
-    """A disc becomes the aperture's polygon of the formula's CoC where the pinhole has it; its light is kept."""
+    """Check that a disc becomes a polygon of the formula's CoC at its pinhole position, and keeps its light."""
     image = rasteriser.lens(black(light(distance, 2.0), sides=sides)).color[..., 0]
     coc = listings.circle_of_confusion(distance, *astuple(CAMERA)) * SIZE[1]
     corners, scale = aperture_shapes.even_polygon(sides), 4
@@ -46,14 +48,14 @@ def test_thin_lens(rasteriser, distance, sides):
         place, fine = np.indices(image.shape)[axis] + 0.5, np.indices(polygon.shape)[axis] - 49.5
         mean = (image * place).sum() / image.sum()
         assert mean == pytest.approx(middle, abs=0.1)
-        # of the polygon, of a disc of radius 2, of a pixel
+        # variances of the polygon, of a disc of radius 2, of a pixel
         variance = (polygon * fine**2).sum() / polygon.sum() / scale**2 + 1.0 + 1 / 12
         assert (image * (place - mean) ** 2).sum() / image.sum() == pytest.approx(variance, rel=0.04)
     assert image.sum() == pytest.approx(4.0 * np.pi, rel=0.03)
 
 
 def test_pinhole(rasteriser):
-    """Depth and place of cards, floors and spheres; the pixels that each has come; antialiased edges."""
+    """Check depth and position of cards, floors and spheres, their motion in pixels, and antialiased edges."""
     zoom, height = black().zoom, SIZE[1]
     card = Thing((0.2, 0.1, 4.0), (0.3, 0.2), (0.5, 0.0, 0.0))
     ball = Thing((-0.3, 0.0, 3.0), (0.2, 0.2), (0.0, 0.5, 0.0), shape="sphere")
@@ -77,7 +79,7 @@ def test_pinhole(rasteriser):
 
 
 def test_hidden(rasteriser):
-    """The lens sees behind a near card, as far as its CoC reaches; nothing is hidden without one."""
+    """Check that the lens sees behind a near card as far as its CoC reaches, and that nothing is hidden without one."""
     wall = Thing((0.0, 0.0, 6.0), (50.0, 50.0), (1.0, 1.0, 1.0))
     card = Thing((0.0, 0.0, 1.5), (0.1, 0.1), (0.0, 0.0, 0.0))
     inner = np.s_[20:-20, 20:-20]
@@ -89,7 +91,7 @@ def test_hidden(rasteriser):
 
 
 def test_ray_traced_light():
-    """A light of market_7 blurs to the shape and the brightness that rays through a lens give it."""
+    """Check that a light of market_7 blurs to the shape and brightness that ray tracing gives it."""
     file, (left, top), extent = ray_traced.MARKET, (626, 254), 60
     part = np.s_[top : top + extent, left : left + extent]
     given, truth = ray_traced.picture(file), ray_traced.truth(file, "hexagon")[part][..., 0].astype(float)
