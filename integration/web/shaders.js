@@ -80,35 +80,35 @@ return textureLod(tex,coords,0.0);
 }
 vec4 BokehFetchTexel(BOKEH_TEXTURE tex,vec2 coords)
 {
-ivec2 size = textureSize(tex,0);
-ivec2 texel = ivec2(clamp(coords,0.0,1.0) * vec2(size));
-return texelFetch(tex,min(texel,size - ivec2(1,1)),0);
+ivec2 size=textureSize(tex,0);
+ivec2 texel=ivec2(clamp(coords,0.0,1.0)*vec2(size));
+return texelFetch(tex,min(texel,size-ivec2(1,1)),0);
 }
 float BokehFetchDepth(BOKEH_DEPTH_TEXTURE tex,vec2 coords)
 {
-ivec2 size = BOKEH_DEPTH_SIZE(tex);
-ivec2 texel = ivec2(clamp(coords,0.0,1.0) * vec2(size));
-return texelFetch(tex,min(texel,size - ivec2(1,1)),0).r;
+ivec2 size=BOKEH_DEPTH_SIZE(tex);
+ivec2 texel=ivec2(clamp(coords,0.0,1.0)*vec2(size));
+return texelFetch(tex,min(texel,size-ivec2(1,1)),0).r;
 }
 #endif
-vec4 BokehViewport = vec4(0.0,0.0,1.0,1.0);
-vec4 BokehViewportBounds = vec4(0.0,0.0,1.0,1.0);
+vec4 BokehViewport=vec4(0.0,0.0,1.0,1.0);
+vec4 BokehViewportBounds=vec4(0.0,0.0,1.0,1.0);
 void BokehSetViewport(vec4 viewport,vec2 textureSize)
 {
-if (BOKEH_VIEWPORT > 0)
+if(BOKEH_VIEWPORT > 0)
 {
-vec2 inset = min(vec2(0.5078125,0.5078125),viewport.zw * 0.5);
-BokehViewport = viewport / textureSize.xyxy;
-BokehViewportBounds = vec4(viewport.xy + inset,viewport.xy + viewport.zw - inset) /
+vec2 inset=min(vec2(0.5078125,0.5078125),viewport.zw*0.5);
+BokehViewport=viewport/textureSize.xyxy;
+BokehViewportBounds=vec4(viewport.xy+inset,viewport.xy+viewport.zw-inset) /
 textureSize.xyxy;
 }
 }
 vec2 BokehToTexture(vec2 uv)
 {
-vec2 coords = uv;
-if (BOKEH_VIEWPORT > 0)
+vec2 coords=uv;
+if(BOKEH_VIEWPORT > 0)
 {
-coords = clamp(BokehViewport.xy + uv * BokehViewport.zw,BokehViewportBounds.xy,
+coords=clamp(BokehViewport.xy+uv*BokehViewport.zw,BokehViewportBounds.xy,
 BokehViewportBounds.zw);
 }
 return coords;
@@ -128,20 +128,20 @@ float maxCoC;
 BokehLens BokehMakeLens(float apertureDiameter,float focalLength,float focusDistance)
 {
 BokehLens lens;
-lens.apertureDiameter = apertureDiameter;
-lens.focalLength = focalLength;
-lens.focusDistance = focusDistance;
-lens.sensorHeight = 0.024;
-lens.maxCoC = 0.1;
+lens.apertureDiameter=apertureDiameter;
+lens.focalLength=focalLength;
+lens.focusDistance=focusDistance;
+lens.sensorHeight=0.024;
+lens.maxCoC=0.1;
 return lens;
 }
 float BokehSignedCoC(float depth,BokehLens lens)
 {
-float focus = min(lens.focusDistance,BOKEH_MAX_DEPTH);
-float magnification = lens.focalLength / max(focus - lens.focalLength,BOKEH_MIN_DEPTH);
-float c = lens.apertureDiameter * magnification * (abs(depth - focus) / depth);
-float CoC = clamp(c / max(lens.sensorHeight,BOKEH_MIN_DEPTH),0.0,lens.maxCoC);
-if (depth < focus)
+float focus=min(lens.focusDistance,BOKEH_MAX_DEPTH);
+float magnification=lens.focalLength/max(focus-lens.focalLength,BOKEH_MIN_DEPTH);
+float c=lens.apertureDiameter*magnification*(abs(depth-focus)/depth);
+float CoC=clamp(c/max(lens.sensorHeight,BOKEH_MIN_DEPTH),0.0,lens.maxCoC);
+if(depth < focus)
 {
 CoC = -CoC;
 }
@@ -149,55 +149,55 @@ return CoC;
 }
 float BokehSanitize(float value,float minimum,float maximum)
 {
-float safe = minimum;
-if (value >= minimum)
+float safe=minimum;
+if(value >= minimum)
 {
-safe = min(value,maximum);
+safe=min(value,maximum);
 }
 return safe;
 }
 float BokehLinearDepth(float stored,int kind,float nearPlane,float farPlane)
 {
-float depth = stored;
-if (kind == 1)
+float depth=stored;
+if(kind==1)
 {
-depth = nearPlane * farPlane / (farPlane - stored * (farPlane - nearPlane));
+depth=nearPlane*farPlane/(farPlane-stored*(farPlane-nearPlane));
 }
-else if (kind == 2)
+else if(kind==2)
 {
-depth = nearPlane * farPlane / (nearPlane + stored * (farPlane - nearPlane));
+depth=nearPlane*farPlane/(nearPlane+stored*(farPlane-nearPlane));
 }
-else if (kind == 3)
+else if(kind==3)
 {
-depth = BOKEH_MAX_DEPTH;
-if (stored >= nearPlane / BOKEH_MAX_DEPTH)
+depth=BOKEH_MAX_DEPTH;
+if(stored >= nearPlane/BOKEH_MAX_DEPTH)
 {
-depth = nearPlane / stored;
+depth=nearPlane/stored;
 }
 }
-else if (kind == 4)
+else if(kind==4)
 {
-depth = 2.0 * nearPlane * farPlane / (farPlane + nearPlane - stored * (farPlane -
+depth=2.0*nearPlane*farPlane/(farPlane+nearPlane-stored*(farPlane -
 nearPlane));
 }
-else if (kind == 5)
+else if(kind==5)
 {
-depth = nearPlane + stored * (farPlane - nearPlane);
+depth=nearPlane+stored*(farPlane-nearPlane);
 }
-else if (kind == 6)
+else if(kind==6)
 {
-depth = nearPlane + (1.0 - stored) * (farPlane - nearPlane);
+depth=nearPlane+(1.0-stored)*(farPlane-nearPlane);
 }
-else if (kind == 7)
+else if(kind==7)
 {
-depth = stored * farPlane;
+depth=stored*farPlane;
 }
-else if (kind == 8)
+else if(kind==8)
 {
-depth = 0.0;
-if (stored >= 0.0)
+depth=0.0;
+if(stored >= 0.0)
 {
-depth = exp2(stored * log2(farPlane + 1.0)) - 1.0;
+depth=exp2(stored*log2(farPlane+1.0))-1.0;
 }
 }
 return BokehSanitize(depth,BOKEH_MIN_DEPTH,BOKEH_MAX_DEPTH);
@@ -209,65 +209,65 @@ BOKEH_MAX_COLOR),BokehSanitize(color.b,0.0,BOKEH_MAX_COLOR),CoC);
 }
 float BokehBrightness(vec4 color)
 {
-vec4 safe = BokehPackCoC(color,0.0);
-return safe.r + safe.g + safe.b;
+vec4 safe=BokehPackCoC(color,0.0);
+return safe.r+safe.g+safe.b;
 }
 vec3 BokehBrighter(vec3 brightest,vec4 color,vec2 direction)
 {
-vec3 result = brightest;
-float brightness = BokehBrightness(color);
-if (brightness > brightest.z)
+vec3 result=brightest;
+float brightness=BokehBrightness(color);
+if(brightness > brightest.z)
 {
-result = vec3(direction,brightness);
+result=vec3(direction,brightness);
 }
 return result;
 }
 vec3 BokehLightBeside(vec4 color,vec4 right,vec4 left,vec4 below,vec4 above)
 {
-float brightness = max(BokehBrightness(color),0.0000001);
-float darkest = min(min(BokehBrightness(right),BokehBrightness(left)),
+float brightness=max(BokehBrightness(color),0.0000001);
+float darkest=min(min(BokehBrightness(right),BokehBrightness(left)),
 min(BokehBrightness(below),BokehBrightness(above)));
-vec3 brightest = vec3(0.0,0.0,brightness);
-brightest = BokehBrighter(brightest,right,vec2(1.0,0.0));
-brightest = BokehBrighter(brightest,left,vec2(-1.0,0.0));
-brightest = BokehBrighter(brightest,below,vec2(0.0,1.0));
-brightest = BokehBrighter(brightest,above,vec2(0.0,-1.0));
-float ratio = brightest.z / brightness;
-float dark = clamp(0.25 * ratio - 1.0,0.0,1.0);
-float rim = clamp(5.0 * brightness / max(darkest,0.0000001) - 6.5,0.0,1.0) *
-clamp(10.0 * ratio - 10.0,0.0,1.0);
+vec3 brightest=vec3(0.0,0.0,brightness);
+brightest=BokehBrighter(brightest,right,vec2(1.0,0.0));
+brightest=BokehBrighter(brightest,left,vec2(-1.0,0.0));
+brightest=BokehBrighter(brightest,below,vec2(0.0,1.0));
+brightest=BokehBrighter(brightest,above,vec2(0.0,-1.0));
+float ratio=brightest.z/brightness;
+float dark=clamp(0.25*ratio-1.0,0.0,1.0);
+float rim=clamp(5.0*brightness/max(darkest,0.0000001)-6.5,0.0,1.0) *
+clamp(10.0*ratio-10.0,0.0,1.0);
 return vec3(brightest.xy,max(dark,rim));
 }
 vec3 BokehBrightNeighbor(BOKEH_TEXTURE ColorSamp,vec2 uv,vec2 imageSize)
 {
-vec2 pixel = 1.0 / max(imageSize,vec2(1.0,1.0));
-vec2 right = vec2(pixel.x,0.0);
-vec2 below = vec2(0.0,pixel.y);
-vec3 brightest = BokehLightBeside(BokehFetchTexel(ColorSamp,BokehToTexture(uv)),
-BokehFetchTexel(ColorSamp,BokehToTexture(uv + right)),
-BokehFetchTexel(ColorSamp,BokehToTexture(uv - right)),
-BokehFetchTexel(ColorSamp,BokehToTexture(uv + below)),
-BokehFetchTexel(ColorSamp,BokehToTexture(uv - below)));
-return vec3(brightest.xy * pixel,brightest.z);
+vec2 pixel=1.0/max(imageSize,vec2(1.0,1.0));
+vec2 right=vec2(pixel.x,0.0);
+vec2 below=vec2(0.0,pixel.y);
+vec3 brightest=BokehLightBeside(BokehFetchTexel(ColorSamp,BokehToTexture(uv)),
+BokehFetchTexel(ColorSamp,BokehToTexture(uv+right)),
+BokehFetchTexel(ColorSamp,BokehToTexture(uv-right)),
+BokehFetchTexel(ColorSamp,BokehToTexture(uv+below)),
+BokehFetchTexel(ColorSamp,BokehToTexture(uv-below)));
+return vec3(brightest.xy*pixel,brightest.z);
 }
 float BokehLightCoC(float CoC,float lightCoC,float weight,float imageHeight)
 {
-float sharper = min(abs(CoC),abs(lightCoC));
-float blurred = clamp(sharper * imageHeight - 1.0,0.0,1.0);
-return CoC + (min(lightCoC,CoC) - CoC) * (weight * blurred);
+float sharper=min(abs(CoC),abs(lightCoC));
+float blurred=clamp(sharper*imageHeight-1.0,0.0,1.0);
+return CoC+(min(lightCoC,CoC)-CoC)*(weight*blurred);
 }
 vec4 BokehSignedCoCMap(BOKEH_TEXTURE ColorSamp,BOKEH_DEPTH_TEXTURE DepthSamp,vec2 uv,
 vec2 depthUV,vec2 imageSize,BokehLens lens,int kind,vec2 planes)
 {
-float depth = BokehLinearDepth(BokehFetchDepth(DepthSamp,depthUV),kind,planes.x,planes.y);
-float CoC = BokehSignedCoC(depth,lens);
-vec3 neighbor = BokehBrightNeighbor(ColorSamp,uv,imageSize);
-if (neighbor.z > 0.0)
+float depth=BokehLinearDepth(BokehFetchDepth(DepthSamp,depthUV),kind,planes.x,planes.y);
+float CoC=BokehSignedCoC(depth,lens);
+vec3 neighbor=BokehBrightNeighbor(ColorSamp,uv,imageSize);
+if(neighbor.z > 0.0)
 {
-vec2 offset = BokehToTexture(uv + neighbor.xy) - BokehToTexture(uv);
-depth = BokehLinearDepth(BokehFetchDepth(DepthSamp,depthUV + offset),kind,planes.x,
+vec2 offset=BokehToTexture(uv+neighbor.xy)-BokehToTexture(uv);
+depth=BokehLinearDepth(BokehFetchDepth(DepthSamp,depthUV+offset),kind,planes.x,
 planes.y);
-CoC = BokehLightCoC(CoC,BokehSignedCoC(depth,lens),neighbor.z,imageSize.y);
+CoC=BokehLightCoC(CoC,BokehSignedCoC(depth,lens),neighbor.z,imageSize.y);
 }
 return BokehPackCoC(BokehFetchTexel(ColorSamp,BokehToTexture(uv)),CoC);
 }
@@ -283,45 +283,45 @@ float bleedingMult;
 BokehSamplingSettings BokehDefaultSampling(vec2 imageSize)
 {
 BokehSamplingSettings settings;
-settings.aspectRatio = imageSize.x / imageSize.y;
-settings.imageHeight = imageSize.y;
-settings.spacing = BOKEH_SPACING;
-settings.jitter = 0.0;
-settings.bleedingBias = 0.02;
-settings.bleedingMult = 30.0;
+settings.aspectRatio=imageSize.x/imageSize.y;
+settings.imageHeight=imageSize.y;
+settings.spacing=BOKEH_SPACING;
+settings.jitter=0.0;
+settings.bleedingBias=0.02;
+settings.bleedingMult=30.0;
 return settings;
 }
 float BokehFilterCoC(float CoC,float imageHeight)
 {
-float filterCoC = CoC;
-if (BOKEH_SPACING > 0.0)
+float filterCoC=CoC;
+if(BOKEH_SPACING > 0.0)
 {
-filterCoC = CoC * clamp((CoC * imageHeight - 0.5) * 2.0,0.0,1.0);
+filterCoC=CoC*clamp((CoC*imageHeight-0.5)*2.0,0.0,1.0);
 }
 return filterCoC;
 }
 float BokehSampleCount(float lengthInPixels,float spacing)
 {
-float samples = float(BOKEH_NUM_SAMPLES);
-if (BOKEH_SPACING > 0.0)
+float samples=float(BOKEH_NUM_SAMPLES);
+if(BOKEH_SPACING > 0.0)
 {
-samples = clamp(lengthInPixels / spacing,1.0,float(BOKEH_NUM_SAMPLES));
+samples=clamp(lengthInPixels/spacing,1.0,float(BOKEH_NUM_SAMPLES));
 }
 return samples;
 }
 float BokehSignedLeakageWeight(float sampleCoC,float centerCoC,BokehSamplingSettings settings)
 {
-float scale = 1.0 / max(settings.bleedingBias,0.001);
-float rejected = clamp((centerCoC * scale - 0.5) - abs(sampleCoC) * scale,0.0,1.0);
-float weight = clamp(abs(sampleCoC) * settings.bleedingMult,0.0,1.0);
-return 1.0 - rejected * (1.0 - weight * weight);
+float scale=1.0/max(settings.bleedingBias,0.001);
+float rejected=clamp((centerCoC*scale-0.5)-abs(sampleCoC)*scale,0.0,1.0);
+float weight=clamp(abs(sampleCoC)*settings.bleedingMult,0.0,1.0);
+return 1.0-rejected*(1.0-weight*weight);
 }
 vec4 BokehResolved(vec4 sum,vec4 centerPixel)
 {
-vec4 result = centerPixel;
-if (sum.a > 0.0)
+vec4 result=centerPixel;
+if(sum.a > 0.0)
 {
-result = vec4(sum.rgb / sum.a,centerPixel.a);
+result=vec4(sum.rgb/sum.a,centerPixel.a);
 }
 return result;
 }
@@ -345,117 +345,117 @@ vec4 strip5;
 };
 BokehPolygon BokehMakePolygon(int sides,float rotation,float squeeze)
 {
-float halfStep = 3.14159265 / float(sides);
-float edge = sin(halfStep);
+float halfStep=3.14159265/float(sides);
+float edge=sin(halfStep);
 BokehPolygon polygon;
-polygon.sides = sides;
-polygon.axis = vec2(cos(rotation),sin(rotation));
-polygon.squeeze = squeeze;
-polygon.lengths = vec4(edge,edge,edge,edge);
-polygon.fifth = edge;
-polygon.corner = vec2(0.5 * cos(halfStep),0.5 * edge);
-polygon.mean = vec2(0.0,0.5 * cos(halfStep) * cos(halfStep) / (edge * (0.5 * float(sides) -
+polygon.sides=sides;
+polygon.axis=vec2(cos(rotation),sin(rotation));
+polygon.squeeze=squeeze;
+polygon.lengths=vec4(edge,edge,edge,edge);
+polygon.fifth=edge;
+polygon.corner=vec2(0.5*cos(halfStep),0.5*edge);
+polygon.mean=vec2(0.0,0.5*cos(halfStep)*cos(halfStep)/(edge*(0.5*float(sides) -
 1.0)));
-polygon.area = 0.25 * float(sides) * edge * cos(halfStep);
+polygon.area=0.25*float(sides)*edge*cos(halfStep);
 return polygon;
 }
 vec2 BokehRotated(vec2 direction,vec2 axis)
 {
-return vec2(direction.x * axis.x - direction.y * axis.y,direction.x * axis.y + direction.y *
+return vec2(direction.x*axis.x-direction.y*axis.y,direction.x*axis.y+direction.y *
 axis.x);
 }
 vec2 BokehTurn(float k,BokehPolygon polygon)
 {
-float angle = 6.28318531 / float(polygon.sides) * k;
+float angle=6.28318531/float(polygon.sides)*k;
 return vec2(cos(angle),sin(angle));
 }
 float BokehEdgeLength(int k,BokehPolygon polygon)
 {
-int edge = k;
-if (k > polygon.sides / 2)
+int edge=k;
+if(k > polygon.sides/2)
 {
-edge = k - polygon.sides / 2;
+edge=k-polygon.sides/2;
 }
-float edgeLength = polygon.lengths.x;
-if (edge == 2)
+float edgeLength=polygon.lengths.x;
+if(edge==2)
 {
-edgeLength = polygon.lengths.y;
+edgeLength=polygon.lengths.y;
 }
-else if (edge == 3)
+else if(edge==3)
 {
-edgeLength = polygon.lengths.z;
+edgeLength=polygon.lengths.z;
 }
-else if (edge == 4)
+else if(edge==4)
 {
-edgeLength = polygon.lengths.w;
+edgeLength=polygon.lengths.w;
 }
-else if (edge == 5)
+else if(edge==5)
 {
-edgeLength = polygon.fifth;
+edgeLength=polygon.fifth;
 }
 return edgeLength;
 }
 vec2 BokehEdge(int k,BokehPolygon polygon)
 {
-vec2 outwards = BokehTurn(float(k),polygon);
-return vec2(-outwards.y,outwards.x) * BokehEdgeLength(k,polygon);
+vec2 outwards=BokehTurn(float(k),polygon);
+return vec2(-outwards.y,outwards.x)*BokehEdgeLength(k,polygon);
 }
 vec4 BokehEdgeLine(int k,BokehPolygon polygon,bool secondPass)
 {
-vec2 halfEdge = BokehEdge(k,polygon) * 0.5;
-vec2 middle = polygon.corner - polygon.mean + halfEdge;
-vec4 before = clamp(float(k) - vec4(1.0,2.0,3.0,4.0),vec4(0.0,0.0,0.0,0.0),vec4(1.0,
+vec2 halfEdge=BokehEdge(k,polygon)*0.5;
+vec2 middle=polygon.corner-polygon.mean+halfEdge;
+vec4 before=clamp(float(k)-vec4(1.0,2.0,3.0,4.0),vec4(0.0,0.0,0.0,0.0),vec4(1.0,
 1.0,1.0,1.0));
-middle += BokehEdge(1,polygon) * before.x + BokehEdge(2,polygon) * before.y + BokehEdge(3,
-polygon) * before.z + BokehEdge(4,polygon) * before.w;
-if (secondPass)
+middle+=BokehEdge(1,polygon)*before.x+BokehEdge(2,polygon)*before.y+BokehEdge(3,
+polygon)*before.z+BokehEdge(4,polygon)*before.w;
+if(secondPass)
 {
-middle = -middle - polygon.corner;
+middle = -middle-polygon.corner;
 }
-vec4 segment = vec4(BokehRotated(middle,polygon.axis),BokehRotated(halfEdge,polygon.axis));
-return segment * vec4(polygon.squeeze,1.0,polygon.squeeze,1.0);
+vec4 segment=vec4(BokehRotated(middle,polygon.axis),BokehRotated(halfEdge,polygon.axis));
+return segment*vec4(polygon.squeeze,1.0,polygon.squeeze,1.0);
 }
 vec4 BokehEdgeWeights(int k,BokehPolygon polygon)
 {
-float angle = 6.28318531 / float(polygon.sides);
-vec4 steps = max(vec4(float(k) - 1.0,float(k) - 2.0,float(k) - 3.0,float(k) - 4.0),vec4(0.0,
+float angle=6.28318531/float(polygon.sides);
+vec4 steps=max(vec4(float(k)-1.0,float(k)-2.0,float(k)-3.0,float(k)-4.0),vec4(0.0,
 0.0,0.0,0.0));
-return max(sin(steps * angle),vec4(0.0,0.0,0.0,0.0)) * polygon.lengths;
+return max(sin(steps*angle),vec4(0.0,0.0,0.0,0.0))*polygon.lengths;
 }
 float BokehEdgeArea(int k,BokehPolygon polygon)
 {
-return dot(BokehEdgeWeights(k,polygon),vec4(1.0,1.0,1.0,1.0)) * BokehEdgeLength(k,
+return dot(BokehEdgeWeights(k,polygon),vec4(1.0,1.0,1.0,1.0))*BokehEdgeLength(k,
 polygon);
 }
 vec4 BokehRay(int k,BokehPolygon polygon,bool secondPass)
 {
-vec2 halfEdge = BokehEdge(k,polygon) * -0.5;
-if (k == 2)
+vec2 halfEdge=BokehEdge(k,polygon) * -0.5;
+if(k==2)
 {
 halfEdge = -halfEdge;
 }
-vec2 middle = halfEdge;
-if (secondPass)
+vec2 middle=halfEdge;
+if(secondPass)
 {
-middle -= polygon.corner + BokehEdge(2,polygon);
+middle-=polygon.corner+BokehEdge(2,polygon);
 }
-vec4 segment = vec4(BokehRotated(middle,polygon.axis),BokehRotated(halfEdge,polygon.axis));
-return segment * vec4(polygon.squeeze,1.0,polygon.squeeze,1.0);
+vec4 segment=vec4(BokehRotated(middle,polygon.axis),BokehRotated(halfEdge,polygon.axis));
+return segment*vec4(polygon.squeeze,1.0,polygon.squeeze,1.0);
 }
 vec3 BokehRayWeight(float sampleCoC,float centerCoC,float samples,int i)
 {
-float side = sampleCoC / centerCoC;
-float ratio = min(abs(side),1.0);
-float reached = clamp(ratio * samples - float(i),0.0,1.0);
-float density = 1.0 / max(ratio,0.25);
-if (centerCoC < 0.0)
+float side=sampleCoC/centerCoC;
+float ratio=min(abs(side),1.0);
+float reached=clamp(ratio*samples-float(i),0.0,1.0);
+float density=1.0/max(ratio,0.25);
+if(centerCoC < 0.0)
 {
-float sharp = clamp(0.5 + 4.0 * side,0.5,1.0);
-reached = clamp(samples - float(i),0.0,1.0) * max(ratio,sharp);
-density = 1.0;
+float sharp=clamp(0.5+4.0*side,0.5,1.0);
+reached=clamp(samples-float(i),0.0,1.0)*max(ratio,sharp);
+density=1.0;
 }
-float weight = reached * density;
-return vec3(weight,reached,weight * clamp(4.0 * side - 3.0,0.0,1.0));
+float weight=reached*density;
+return vec3(weight,reached,weight*clamp(4.0*side-3.0,0.0,1.0));
 }
 struct BokehLine
 {
@@ -465,109 +465,109 @@ float reached;
 BokehLine BokehLineSum(BOKEH_TEXTURE tex,vec2 uv,int k,BokehPolygon polygon,bool secondPass,
 bool rays,float centerCoC,BokehSamplingSettings settings)
 {
-vec4 sum = vec4(0.0,0.0,0.0,0.0);
-float reached = 0.0;
-float CoC = BokehFilterCoC(abs(centerCoC),settings.imageHeight);
-if (CoC > 0.0)
+vec4 sum=vec4(0.0,0.0,0.0,0.0);
+float reached=0.0;
+float CoC=BokehFilterCoC(abs(centerCoC),settings.imageHeight);
+if(CoC > 0.0)
 {
-vec4 segment = BokehEdgeLine(k,polygon,secondPass);
-if (rays)
+vec4 segment=BokehEdgeLine(k,polygon,secondPass);
+if(rays)
 {
-segment = BokehRay(k,polygon,secondPass);
+segment=BokehRay(k,polygon,secondPass);
 }
-float lengthInPixels = 2.0 * length(segment.zw) * CoC * settings.imageHeight;
-float samples = BokehSampleCount(lengthInPixels,settings.spacing);
-float phase = 0.5 + settings.jitter * clamp(lengthInPixels / samples - 1.0,0.0,1.0);
-vec2 scale = vec2(CoC / settings.aspectRatio,CoC);
-vec2 first = uv + (segment.xy - segment.zw) * scale;
-vec2 sampleStep = segment.zw * scale * (2.0 / samples);
-vec4 surface = vec4(0.0,0.0,0.0,0.0);
-for (int i = 0; i < BOKEH_NUM_SAMPLES; i++)
+float lengthInPixels=2.0*length(segment.zw)*CoC*settings.imageHeight;
+float samples=BokehSampleCount(lengthInPixels,settings.spacing);
+float phase=0.5+settings.jitter*clamp(lengthInPixels/samples-1.0,0.0,1.0);
+vec2 scale=vec2(CoC/settings.aspectRatio,CoC);
+vec2 first=uv+(segment.xy-segment.zw)*scale;
+vec2 sampleStep=segment.zw*scale*(2.0/samples);
+vec4 surface=vec4(0.0,0.0,0.0,0.0);
+for(int i=0;i < BOKEH_NUM_SAMPLES;i++)
 {
-if (BOKEH_SPACING > 0.0 && float(i) >= samples)
+if(BOKEH_SPACING > 0.0&&float(i) >= samples)
 {
 break;
 }
-float part = clamp(samples - float(i),0.0,1.0);
-vec4 samplePixel = BokehFetch(tex,first + sampleStep * (float(i) + part * phase));
-if (rays)
+float part=clamp(samples-float(i),0.0,1.0);
+vec4 samplePixel=BokehFetch(tex,first+sampleStep*(float(i)+part*phase));
+if(rays)
 {
-vec3 weights = BokehRayWeight(samplePixel.a,centerCoC,samples,i);
-sum += vec4(samplePixel.rgb,1.0) * weights.x;
-reached += (samplePixel.r + samplePixel.g + samplePixel.b) * weights.y;
-surface += vec4(samplePixel.rgb,1.0) * weights.z;
+vec3 weights=BokehRayWeight(samplePixel.a,centerCoC,samples,i);
+sum+=vec4(samplePixel.rgb,1.0)*weights.x;
+reached+=(samplePixel.r+samplePixel.g+samplePixel.b)*weights.y;
+surface+=vec4(samplePixel.rgb,1.0)*weights.z;
 }
 else
 {
-float weight = part * BokehSignedLeakageWeight(samplePixel.a,centerCoC,settings);
-sum += vec4(samplePixel.rgb,1.0) * weight;
+float weight=part*BokehSignedLeakageWeight(samplePixel.a,centerCoC,settings);
+sum+=vec4(samplePixel.rgb,1.0)*weight;
 }
 }
-if (rays)
+if(rays)
 {
-float covered = clamp((sum.a - samples) / max(surface.a,0.0001),0.0,1.0);
-sum -= surface * covered;
-reached -= (surface.r + surface.g + surface.b) * covered;
+float covered=clamp((sum.a-samples)/max(surface.a,0.0001),0.0,1.0);
+sum-=surface*covered;
+reached-=(surface.r+surface.g+surface.b)*covered;
 }
-sum = sum / samples;
-reached = reached / samples;
-if (secondPass)
+sum=sum/samples;
+reached=reached/samples;
+if(secondPass)
 {
-sum *= BokehEdgeArea(k,polygon);
+sum*=BokehEdgeArea(k,polygon);
 }
 }
 BokehLine result;
-result.sum = sum;
-result.reached = reached;
+result.sum=sum;
+result.reached=reached;
 return result;
 }
 vec4 BokehExactTarget(int k,BokehPolygon polygon,bool rays,BokehLine L1,BokehLine L2,
 BokehLine L3,BokehLine L4,vec4 centerPixel)
 {
-vec4 weights = BokehEdgeWeights(k,polygon);
-vec4 sum = L1.sum * weights.x + L2.sum * weights.y + L3.sum * weights.z + L4.sum * weights.w;
-vec4 result = BokehResolved(sum,centerPixel);
-float gathered = sum.r + sum.g + sum.b;
-if (rays && gathered > 0.0)
+vec4 weights=BokehEdgeWeights(k,polygon);
+vec4 sum=L1.sum*weights.x+L2.sum*weights.y+L3.sum*weights.z+L4.sum*weights.w;
+vec4 result=BokehResolved(sum,centerPixel);
+float gathered=sum.r+sum.g+sum.b;
+if(rays&&gathered > 0.0)
 {
-float reached = dot(vec4(L1.reached,L2.reached,L3.reached,L4.reached),weights);
-result = vec4(result.rgb,result.a * min(reached / gathered * 1.001,1.0));
+float reached=dot(vec4(L1.reached,L2.reached,L3.reached,L4.reached),weights);
+result=vec4(result.rgb,result.a*min(reached/gathered*1.001,1.0));
 }
 return result;
 }
 BokehTargets BokehExactFirst(BOKEH_TEXTURE MapSamp,vec2 uv,int last,BokehPolygon polygon,
 BokehSamplingSettings settings)
 {
-vec4 centerPixel = BokehFetch(MapSamp,uv);
-float CoC = centerPixel.a;
-bool rays = false;
-if (last < 4)
+vec4 centerPixel=BokehFetch(MapSamp,uv);
+float CoC=centerPixel.a;
+bool rays=false;
+if(last < 4)
 {
-rays = polygon.sides == 6;
+rays=polygon.sides==6;
 }
-BokehLine L1 = BokehLineSum(MapSamp,uv,1,polygon,false,rays,CoC,settings);
+BokehLine L1=BokehLineSum(MapSamp,uv,1,polygon,false,rays,CoC,settings);
 BokehLine L2;
-L2.sum = vec4(0.0,0.0,0.0,0.0);
-L2.reached = 0.0;
-BokehLine L3 = L2;
-BokehLine L4 = L2;
-if (last > 2)
+L2.sum=vec4(0.0,0.0,0.0,0.0);
+L2.reached=0.0;
+BokehLine L3=L2;
+BokehLine L4=L2;
+if(last > 2)
 {
-L2 = BokehLineSum(MapSamp,uv,2,polygon,false,rays,CoC,settings);
+L2=BokehLineSum(MapSamp,uv,2,polygon,false,rays,CoC,settings);
 }
-if (last > 3)
+if(last > 3)
 {
-L3 = BokehLineSum(MapSamp,uv,3,polygon,false,rays,CoC,settings);
+L3=BokehLineSum(MapSamp,uv,3,polygon,false,rays,CoC,settings);
 }
-if (last > 4)
+if(last > 4)
 {
-L4 = BokehLineSum(MapSamp,uv,4,polygon,false,rays,CoC,settings);
+L4=BokehLineSum(MapSamp,uv,4,polygon,false,rays,CoC,settings);
 }
 BokehTargets targets;
-targets.strip2 = BokehExactTarget(2,polygon,rays,L1,L2,L3,L4,centerPixel);
-targets.strip3 = BokehExactTarget(3,polygon,rays,L1,L2,L3,L4,centerPixel);
-targets.strip4 = BokehExactTarget(4,polygon,rays,L1,L2,L3,L4,centerPixel);
-targets.strip5 = BokehExactTarget(5,polygon,rays,L1,L2,L3,L4,centerPixel);
+targets.strip2=BokehExactTarget(2,polygon,rays,L1,L2,L3,L4,centerPixel);
+targets.strip3=BokehExactTarget(3,polygon,rays,L1,L2,L3,L4,centerPixel);
+targets.strip4=BokehExactTarget(4,polygon,rays,L1,L2,L3,L4,centerPixel);
+targets.strip5=BokehExactTarget(5,polygon,rays,L1,L2,L3,L4,centerPixel);
 return targets;
 }
 BokehTargets BokehSquareFirst(BOKEH_TEXTURE MapSamp,vec2 uv,BokehPolygon polygon,
@@ -578,8 +578,8 @@ return BokehExactFirst(MapSamp,uv,2,polygon,settings);
 vec4 BokehSquareSecond(BOKEH_TEXTURE Strip2Samp,vec2 uv,BokehPolygon polygon,
 BokehSamplingSettings settings)
 {
-vec4 pixel = BokehFetch(Strip2Samp,uv);
-BokehLine L2 = BokehLineSum(Strip2Samp,uv,2,polygon,true,false,pixel.a,settings);
+vec4 pixel=BokehFetch(Strip2Samp,uv);
+BokehLine L2=BokehLineSum(Strip2Samp,uv,2,polygon,true,false,pixel.a,settings);
 return BokehResolved(L2.sum,pixel);
 }
 BokehTargets BokehHexagonFirst(BOKEH_TEXTURE MapSamp,vec2 uv,BokehPolygon polygon,
@@ -590,10 +590,10 @@ return BokehExactFirst(MapSamp,uv,3,polygon,settings);
 vec4 BokehHexagonSecond(BOKEH_TEXTURE Strip2Samp,BOKEH_TEXTURE Strip3Samp,vec2 uv,
 BokehPolygon polygon,BokehSamplingSettings settings)
 {
-vec4 pixel = BokehFetch(Strip2Samp,uv);
-BokehLine L2 = BokehLineSum(Strip2Samp,uv,2,polygon,true,true,pixel.a,settings);
-BokehLine L3 = BokehLineSum(Strip3Samp,uv,3,polygon,true,true,pixel.a,settings);
-return BokehResolved(L2.sum + L3.sum,pixel);
+vec4 pixel=BokehFetch(Strip2Samp,uv);
+BokehLine L2=BokehLineSum(Strip2Samp,uv,2,polygon,true,true,pixel.a,settings);
+BokehLine L3=BokehLineSum(Strip3Samp,uv,3,polygon,true,true,pixel.a,settings);
+return BokehResolved(L2.sum+L3.sum,pixel);
 }
 BokehTargets BokehOctagonFirst(BOKEH_TEXTURE MapSamp,vec2 uv,BokehPolygon polygon,
 BokehSamplingSettings settings)
@@ -603,11 +603,11 @@ return BokehExactFirst(MapSamp,uv,4,polygon,settings);
 vec4 BokehOctagonSecond(BOKEH_TEXTURE Strip2Samp,BOKEH_TEXTURE Strip3Samp,
 BOKEH_TEXTURE Strip4Samp,vec2 uv,BokehPolygon polygon,BokehSamplingSettings settings)
 {
-vec4 pixel = BokehFetch(Strip2Samp,uv);
-BokehLine L2 = BokehLineSum(Strip2Samp,uv,2,polygon,true,false,pixel.a,settings);
-BokehLine L3 = BokehLineSum(Strip3Samp,uv,3,polygon,true,false,pixel.a,settings);
-BokehLine L4 = BokehLineSum(Strip4Samp,uv,4,polygon,true,false,pixel.a,settings);
-return BokehResolved(L2.sum + L3.sum + L4.sum,pixel);
+vec4 pixel=BokehFetch(Strip2Samp,uv);
+BokehLine L2=BokehLineSum(Strip2Samp,uv,2,polygon,true,false,pixel.a,settings);
+BokehLine L3=BokehLineSum(Strip3Samp,uv,3,polygon,true,false,pixel.a,settings);
+BokehLine L4=BokehLineSum(Strip4Samp,uv,4,polygon,true,false,pixel.a,settings);
+return BokehResolved(L2.sum+L3.sum+L4.sum,pixel);
 }
 BokehTargets BokehDecagonFirst(BOKEH_TEXTURE MapSamp,vec2 uv,BokehPolygon polygon,
 BokehSamplingSettings settings)
@@ -618,12 +618,12 @@ vec4 BokehDecagonSecond(BOKEH_TEXTURE Strip2Samp,BOKEH_TEXTURE Strip3Samp,
 BOKEH_TEXTURE Strip4Samp,BOKEH_TEXTURE Strip5Samp,vec2 uv,BokehPolygon polygon,
 BokehSamplingSettings settings)
 {
-vec4 pixel = BokehFetch(Strip2Samp,uv);
-BokehLine L2 = BokehLineSum(Strip2Samp,uv,2,polygon,true,false,pixel.a,settings);
-BokehLine L3 = BokehLineSum(Strip3Samp,uv,3,polygon,true,false,pixel.a,settings);
-BokehLine L4 = BokehLineSum(Strip4Samp,uv,4,polygon,true,false,pixel.a,settings);
-BokehLine L5 = BokehLineSum(Strip5Samp,uv,5,polygon,true,false,pixel.a,settings);
-return BokehResolved(L2.sum + L3.sum + L4.sum + L5.sum,pixel);
+vec4 pixel=BokehFetch(Strip2Samp,uv);
+BokehLine L2=BokehLineSum(Strip2Samp,uv,2,polygon,true,false,pixel.a,settings);
+BokehLine L3=BokehLineSum(Strip3Samp,uv,3,polygon,true,false,pixel.a,settings);
+BokehLine L4=BokehLineSum(Strip4Samp,uv,4,polygon,true,false,pixel.a,settings);
+BokehLine L5=BokehLineSum(Strip5Samp,uv,5,polygon,true,false,pixel.a,settings);
+return BokehResolved(L2.sum+L3.sum+L4.sum+L5.sum,pixel);
 }
 `,
   bokeh_paper: `
@@ -649,104 +649,104 @@ abs(BokehSignedCoC(BokehPaperDepth(DepthSamp,uv),lens)));
 }
 vec2 BokehLineEnd(float angle,float aspectRatio)
 {
-return vec2(0.5 * cos(angle) / aspectRatio,0.5 * sin(angle));
+return vec2(0.5*cos(angle)/aspectRatio,0.5*sin(angle));
 }
 vec2 BokehMakeOffsets(vec2 lineEnd,int i,int numSamples)
 {
-int last = max(numSamples,2) - 1;
-float t = float(2 * i - last) / float(last);
-return lineEnd * t;
+int last=max(numSamples,2)-1;
+float t=float(2*i-last)/float(last);
+return lineEnd*t;
 }
 vec4 BokehSegment(float angle,float lineLength,vec2 lineCenter,float squeeze)
 {
-vec2 halfLine = vec2(cos(angle),sin(angle)) * 0.5 * lineLength;
-return vec4(lineCenter,halfLine) * vec4(squeeze,1.0,squeeze,1.0);
+vec2 halfLine=vec2(cos(angle),sin(angle))*0.5*lineLength;
+return vec4(lineCenter,halfLine)*vec4(squeeze,1.0,squeeze,1.0);
 }
 float BokehLeakageWeight(float sampleDepth,float sampleCoC,float centerDepth,float centerCoC,
 BokehSamplingSettings settings)
 {
-float weight = 1.0;
-if (sampleDepth < centerDepth && centerCoC > sampleCoC + settings.bleedingBias)
+float weight=1.0;
+if(sampleDepth < centerDepth&&centerCoC > sampleCoC+settings.bleedingBias)
 {
-weight = clamp(sampleCoC * settings.bleedingMult,0.0,1.0);
+weight=clamp(sampleCoC*settings.bleedingMult,0.0,1.0);
 }
 return weight;
 }
 vec4 BokehResolve(vec4 color,float totalWeight,vec4 centerPixel,bool blurCoC)
 {
-vec4 result = centerPixel;
-if (totalWeight > 0.0)
+vec4 result=centerPixel;
+if(totalWeight > 0.0)
 {
-result = color / totalWeight;
+result=color/totalWeight;
 }
-if (!blurCoC)
+if(!blurCoC)
 {
-result = vec4(result.rgb,centerPixel.a);
+result=vec4(result.rgb,centerPixel.a);
 }
 return result;
 }
 vec4 BokehDepthOfField(BOKEH_TEXTURE ColorSamp,BOKEH_DEPTH_TEXTURE DepthSamp,vec2 uv,
 vec2 lineEnd,BokehSamplingSettings settings,bool blurCoC)
 {
-vec4 centerPixel = BokehFetch(ColorSamp,uv);
-float centerDepth = BokehPaperDepth(DepthSamp,uv);
-vec4 color = vec4(0.0,0.0,0.0,0.0);
-float totalWeight = 0.0;
-for (int i = 0; i < BOKEH_PAPER_SAMPLES; i++)
+vec4 centerPixel=BokehFetch(ColorSamp,uv);
+float centerDepth=BokehPaperDepth(DepthSamp,uv);
+vec4 color=vec4(0.0,0.0,0.0,0.0);
+float totalWeight=0.0;
+for(int i=0;i < BOKEH_PAPER_SAMPLES;i++)
 {
-vec2 offset = BokehMakeOffsets(lineEnd,i,BOKEH_PAPER_SAMPLES);
-vec2 sampleCoords = uv + offset * centerPixel.a;
-vec4 samplePixel = BokehFetch(ColorSamp,sampleCoords);
-float sampleDepth = BokehFetchDepth(DepthSamp,BokehToTexture(sampleCoords));
-float weight = BokehLeakageWeight(sampleDepth,samplePixel.a,centerDepth,centerPixel.a,
+vec2 offset=BokehMakeOffsets(lineEnd,i,BOKEH_PAPER_SAMPLES);
+vec2 sampleCoords=uv+offset*centerPixel.a;
+vec4 samplePixel=BokehFetch(ColorSamp,sampleCoords);
+float sampleDepth=BokehFetchDepth(DepthSamp,BokehToTexture(sampleCoords));
+float weight=BokehLeakageWeight(sampleDepth,samplePixel.a,centerDepth,centerPixel.a,
 settings);
-color += samplePixel * weight;
-totalWeight += weight;
+color+=samplePixel*weight;
+totalWeight+=weight;
 }
 return BokehResolve(color,totalWeight,centerPixel,blurCoC);
 }
 vec4 BokehDepthOfFieldAdaptive(BOKEH_TEXTURE ColorSamp,BOKEH_DEPTH_TEXTURE DepthSamp,vec2 uv,
 vec4 segment,BokehSamplingSettings settings,bool blurCoC)
 {
-vec4 centerPixel = BokehFetch(ColorSamp,uv);
-vec4 result = centerPixel;
-float CoC = BokehFilterCoC(centerPixel.a,settings.imageHeight);
-if (CoC > 0.0)
+vec4 centerPixel=BokehFetch(ColorSamp,uv);
+vec4 result=centerPixel;
+float CoC=BokehFilterCoC(centerPixel.a,settings.imageHeight);
+if(CoC > 0.0)
 {
-float centerDepth = BokehPaperDepth(DepthSamp,uv);
-float lengthInPixels = 2.0 * length(segment.zw) * CoC * settings.imageHeight;
-float samples = BokehSampleCount(lengthInPixels,settings.spacing);
-float phase = 0.5 + settings.jitter * clamp(lengthInPixels / samples - 1.0,0.0,1.0);
-vec2 scale = vec2(CoC / settings.aspectRatio,CoC);
-vec2 first = uv + (segment.xy - segment.zw) * scale;
-vec2 sampleStep = segment.zw * scale * (2.0 / samples);
-vec4 color = vec4(0.0,0.0,0.0,0.0);
-float totalWeight = 0.0;
-for (int i = 0; i < BOKEH_NUM_SAMPLES; i++)
+float centerDepth=BokehPaperDepth(DepthSamp,uv);
+float lengthInPixels=2.0*length(segment.zw)*CoC*settings.imageHeight;
+float samples=BokehSampleCount(lengthInPixels,settings.spacing);
+float phase=0.5+settings.jitter*clamp(lengthInPixels/samples-1.0,0.0,1.0);
+vec2 scale=vec2(CoC/settings.aspectRatio,CoC);
+vec2 first=uv+(segment.xy-segment.zw)*scale;
+vec2 sampleStep=segment.zw*scale*(2.0/samples);
+vec4 color=vec4(0.0,0.0,0.0,0.0);
+float totalWeight=0.0;
+for(int i=0;i < BOKEH_NUM_SAMPLES;i++)
 {
-if (BOKEH_SPACING > 0.0 && float(i) >= samples)
+if(BOKEH_SPACING > 0.0&&float(i) >= samples)
 {
 break;
 }
-float part = clamp(samples - float(i),0.0,1.0);
-vec2 sampleCoords = first + sampleStep * (float(i) + part * phase);
-vec4 samplePixel = BokehFetch(ColorSamp,sampleCoords);
-float sampleDepth = BokehFetchDepth(DepthSamp,BokehToTexture(sampleCoords));
-float weight = part * BokehLeakageWeight(sampleDepth,samplePixel.a,centerDepth,
+float part=clamp(samples-float(i),0.0,1.0);
+vec2 sampleCoords=first+sampleStep*(float(i)+part*phase);
+vec4 samplePixel=BokehFetch(ColorSamp,sampleCoords);
+float sampleDepth=BokehFetchDepth(DepthSamp,BokehToTexture(sampleCoords));
+float weight=part*BokehLeakageWeight(sampleDepth,samplePixel.a,centerDepth,
 centerPixel.a,settings);
-color += samplePixel * weight;
-totalWeight += weight;
+color+=samplePixel*weight;
+totalWeight+=weight;
 }
-result = BokehResolve(color,totalWeight,centerPixel,blurCoC);
+result=BokehResolve(color,totalWeight,centerPixel,blurCoC);
 }
 return result;
 }
 vec4 BokehCombine(vec4 a,vec4 b,bool useMax)
 {
-vec4 result = min(a,b);
-if (useMax)
+vec4 result=min(a,b);
+if(useMax)
 {
-result = max(a,b);
+result=max(a,b);
 }
 return result;
 }
@@ -754,51 +754,51 @@ vec4 BokehDepthOfFieldFinal(BOKEH_TEXTURE ColorSamp,BOKEH_DEPTH_TEXTURE DepthSam
 BOKEH_TEXTURE CompareSamp,vec2 uv,vec2 lineEnd,BokehSamplingSettings settings,bool blurCoC,
 bool useMax)
 {
-vec4 a = BokehDepthOfField(ColorSamp,DepthSamp,uv,lineEnd,settings,blurCoC);
+vec4 a=BokehDepthOfField(ColorSamp,DepthSamp,uv,lineEnd,settings,blurCoC);
 return BokehCombine(a,BokehFetch(CompareSamp,uv),useMax);
 }
 vec4 BokehNaiveGather(BOKEH_TEXTURE ColorSamp,BOKEH_DEPTH_TEXTURE DepthSamp,
 BOKEH_TEXTURE KernelSamp,vec2 uv,BokehSamplingSettings settings,bool blurCoC)
 {
-vec4 centerPixel = BokehFetch(ColorSamp,uv);
-float centerDepth = BokehPaperDepth(DepthSamp,uv);
-vec2 scale = vec2(centerPixel.a / settings.aspectRatio,centerPixel.a);
-vec4 color = vec4(0.0,0.0,0.0,0.0);
-float totalWeight = 0.0;
-for (int i = 0; i < BOKEH_PAPER_SAMPLES; i++)
+vec4 centerPixel=BokehFetch(ColorSamp,uv);
+float centerDepth=BokehPaperDepth(DepthSamp,uv);
+vec2 scale=vec2(centerPixel.a/settings.aspectRatio,centerPixel.a);
+vec4 color=vec4(0.0,0.0,0.0,0.0);
+float totalWeight=0.0;
+for(int i=0;i < BOKEH_PAPER_SAMPLES;i++)
 {
-vec2 offset = BokehFetchTexel(KernelSamp,vec2((float(i) + 0.5) /
+vec2 offset=BokehFetchTexel(KernelSamp,vec2((float(i)+0.5) /
 float(BOKEH_PAPER_SAMPLES),0.5)).rg;
-vec2 sampleCoords = uv + offset * scale;
-vec4 samplePixel = BokehFetch(ColorSamp,sampleCoords);
-float sampleDepth = BokehFetchDepth(DepthSamp,BokehToTexture(sampleCoords));
-float weight = BokehLeakageWeight(sampleDepth,samplePixel.a,centerDepth,centerPixel.a,
+vec2 sampleCoords=uv+offset*scale;
+vec4 samplePixel=BokehFetch(ColorSamp,sampleCoords);
+float sampleDepth=BokehFetchDepth(DepthSamp,BokehToTexture(sampleCoords));
+float weight=BokehLeakageWeight(sampleDepth,samplePixel.a,centerDepth,centerPixel.a,
 settings);
-color += samplePixel * weight;
-totalWeight += weight;
+color+=samplePixel*weight;
+totalWeight+=weight;
 }
 return BokehResolve(color,totalWeight,centerPixel,blurCoC);
 }
 vec4 BokehNaiveGrid(BOKEH_TEXTURE ColorSamp,BOKEH_DEPTH_TEXTURE DepthSamp,vec2 uv,vec2 lineEndU,
 vec2 lineEndV,BokehSamplingSettings settings,bool blurCoC)
 {
-vec4 centerPixel = BokehFetch(ColorSamp,uv);
-float centerDepth = BokehPaperDepth(DepthSamp,uv);
-vec4 color = vec4(0.0,0.0,0.0,0.0);
-float totalWeight = 0.0;
-for (int j = 0; j < BOKEH_PAPER_SAMPLES; j++)
+vec4 centerPixel=BokehFetch(ColorSamp,uv);
+float centerDepth=BokehPaperDepth(DepthSamp,uv);
+vec4 color=vec4(0.0,0.0,0.0,0.0);
+float totalWeight=0.0;
+for(int j=0;j < BOKEH_PAPER_SAMPLES;j++)
 {
-vec2 rowOffset = BokehMakeOffsets(lineEndV,j,BOKEH_PAPER_SAMPLES);
-for (int i = 0; i < BOKEH_PAPER_SAMPLES; i++)
+vec2 rowOffset=BokehMakeOffsets(lineEndV,j,BOKEH_PAPER_SAMPLES);
+for(int i=0;i < BOKEH_PAPER_SAMPLES;i++)
 {
-vec2 offset = rowOffset + BokehMakeOffsets(lineEndU,i,BOKEH_PAPER_SAMPLES);
-vec2 sampleCoords = uv + offset * centerPixel.a;
-vec4 samplePixel = BokehFetch(ColorSamp,sampleCoords);
-float sampleDepth = BokehFetchDepth(DepthSamp,BokehToTexture(sampleCoords));
-float weight = BokehLeakageWeight(sampleDepth,samplePixel.a,centerDepth,
+vec2 offset=rowOffset+BokehMakeOffsets(lineEndU,i,BOKEH_PAPER_SAMPLES);
+vec2 sampleCoords=uv+offset*centerPixel.a;
+vec4 samplePixel=BokehFetch(ColorSamp,sampleCoords);
+float sampleDepth=BokehFetchDepth(DepthSamp,BokehToTexture(sampleCoords));
+float weight=BokehLeakageWeight(sampleDepth,samplePixel.a,centerDepth,
 centerPixel.a,settings);
-color += samplePixel * weight;
-totalWeight += weight;
+color+=samplePixel*weight;
+totalWeight+=weight;
 }
 }
 return BokehResolve(color,totalWeight,centerPixel,blurCoC);
@@ -861,43 +861,43 @@ float jitter;
 BokehLayerContext BokehMakeLayerContext(vec2 uv,vec2 imageSize,float maxCoC)
 {
 BokehLayerContext layers;
-layers.uv = uv;
-layers.size = imageSize;
-layers.origin = vec2(0.0,0.0);
-layers.texel = 1.0 / imageSize;
-layers.largest = maxCoC * imageSize.y;
-layers.jitter = 0.0;
+layers.uv=uv;
+layers.size=imageSize;
+layers.origin=vec2(0.0,0.0);
+layers.texel=1.0/imageSize;
+layers.largest=maxCoC*imageSize.y;
+layers.jitter=0.0;
 return layers;
 }
 BokehGrid BokehFullGrid(BokehLayerContext layers)
 {
 BokehGrid grid;
-grid.size = layers.size;
-grid.origin = layers.origin;
-grid.texel = layers.texel;
+grid.size=layers.size;
+grid.origin=layers.origin;
+grid.texel=layers.texel;
 return grid;
 }
 BokehGrid BokehReducedGrid(BokehLayerContext layers,float scale)
 {
 BokehGrid grid;
-grid.size = ceil(layers.size / scale);
-grid.origin = layers.origin / scale;
-grid.texel = 1.0 / grid.size;
-if (BOKEH_VIEWPORT > 0)
+grid.size=ceil(layers.size/scale);
+grid.origin=layers.origin/scale;
+grid.texel=1.0/grid.size;
+if(BOKEH_VIEWPORT > 0)
 {
-grid.texel = 1.0 / ceil(floor(1.0 / layers.texel + 0.5) / scale);
+grid.texel=1.0/ceil(floor(1.0/layers.texel+0.5)/scale);
 }
 return grid;
 }
 vec2 BokehGridCoords(vec2 place,BokehGrid grid)
 {
-vec2 coords = place;
-if (BOKEH_VIEWPORT > 0)
+vec2 coords=place;
+if(BOKEH_VIEWPORT > 0)
 {
-vec2 inset = min(vec2(0.5078125,0.5078125),grid.size * 0.5);
-coords = grid.origin + clamp(place,inset,grid.size - inset);
+vec2 inset=min(vec2(0.5078125,0.5078125),grid.size*0.5);
+coords=grid.origin+clamp(place,inset,grid.size-inset);
 }
-return coords * grid.texel;
+return coords*grid.texel;
 }
 vec4 BokehFetchGrid(BOKEH_TEXTURE tex,vec2 place,BokehGrid grid)
 {
@@ -905,10 +905,10 @@ return BokehFetchTexture(tex,BokehGridCoords(place,grid));
 }
 vec4 BokehFetchAround(BOKEH_TEXTURE tex,vec2 uv,vec2 offset,BokehGrid grid)
 {
-vec2 coords = uv + offset * grid.texel;
-if (BOKEH_VIEWPORT > 0)
+vec2 coords=uv+offset*grid.texel;
+if(BOKEH_VIEWPORT > 0)
 {
-coords = BokehGridCoords(uv * grid.size + offset,grid);
+coords=BokehGridCoords(uv*grid.size+offset,grid);
 }
 return BokehFetchTexture(tex,coords);
 }
@@ -918,8 +918,8 @@ return max(max(color.r,color.g),color.b);
 }
 float BokehLayerSlope(float largest,float startCoC,float fullCoC)
 {
-float gate = clamp((largest - startCoC) / (fullCoC - startCoC),0.001,1.0);
-return 5.0 / max(largest / gate,2.0);
+float gate=clamp((largest-startCoC)/(fullCoC-startCoC),0.001,1.0);
+return 5.0/max(largest/gate,2.0);
 }
 float BokehNearSlope(float largest)
 {
@@ -931,58 +931,58 @@ return BokehLayerSlope(largest,10.0,16.0);
 }
 float BokehLayerWeight(float CoC,float slope)
 {
-return clamp(CoC * slope - 2.0,0.0,1.0);
+return clamp(CoC*slope-2.0,0.0,1.0);
 }
 vec4 BokehTileMax(BOKEH_TEXTURE MapSamp,BokehLayerContext layers)
 {
-vec2 first = floor(layers.uv * ceil(layers.size / 8.0)) * 8.0 + vec2(0.5,0.5);
-vec3 found = vec3(0.0,0.0,0.0);
-for (int y = 0; y < 8; y++)
+vec2 first=floor(layers.uv*ceil(layers.size/8.0))*8.0+vec2(0.5,0.5);
+vec3 found=vec3(0.0,0.0,0.0);
+for(int y=0;y < 8;y++)
 {
-for (int x = 0; x < 8; x++)
+for(int x=0;x < 8;x++)
 {
-vec2 place = first + vec2(float(x),float(y));
-vec4 pixel = BokehFetchGrid(MapSamp,place,BokehFullGrid(layers));
-float s = pixel.a * layers.size.y;
-float logBrightness = log2(max(BokehBrightest(pixel.rgb),BOKEH_MIN_BRIGHTNESS));
-found = vec3(max(found.r,-s),max(found.g,s),found.b + logBrightness);
+vec2 place=first+vec2(float(x),float(y));
+vec4 pixel=BokehFetchGrid(MapSamp,place,BokehFullGrid(layers));
+float s=pixel.a*layers.size.y;
+float logBrightness=log2(max(BokehBrightest(pixel.rgb),BOKEH_MIN_BRIGHTNESS));
+found=vec3(max(found.r,-s),max(found.g,s),found.b+logBrightness);
 }
 }
-return vec4(min(found.r,BOKEH_MAX_COLOR),min(found.g,BOKEH_MAX_COLOR),found.b / 64.0,1.0);
+return vec4(min(found.r,BOKEH_MAX_COLOR),min(found.g,BOKEH_MAX_COLOR),found.b/64.0,1.0);
 }
 vec2 BokehReaching(vec2 CoC,float tiles)
 {
-vec2 share = CoC / 16.0 + 1.0 - max(tiles - 2.0,0.0);
-return CoC * clamp(share,vec2(0.0,0.0),vec2(1.0,1.0));
+vec2 share=CoC/16.0+1.0-max(tiles-2.0,0.0);
+return CoC*clamp(share,vec2(0.0,0.0),vec2(1.0,1.0));
 }
 float BokehReachTiles(BokehLayerContext layers)
 {
-return min(ceil(layers.largest / 16.0) + 2.0,127.0);
+return min(ceil(layers.largest/16.0)+2.0,127.0);
 }
 vec4 BokehTileDilate(BOKEH_TEXTURE TilesSamp,vec2 axis,BokehLayerContext layers)
 {
-BokehGrid grid = BokehReducedGrid(layers,8.0);
-float radius = BokehReachTiles(layers);
-vec2 found = vec2(0.0,0.0);
-float logBrightness = 0.0;
-for (int i = 0; i < 255; i++)
+BokehGrid grid=BokehReducedGrid(layers,8.0);
+float radius=BokehReachTiles(layers);
+vec2 found=vec2(0.0,0.0);
+float logBrightness=0.0;
+for(int i=0;i < 255;i++)
 {
-float tiles = float(i) - radius;
-if (tiles > radius)
+float tiles=float(i)-radius;
+if(tiles > radius)
 {
 break;
 }
-vec4 tile = BokehFetchGrid(TilesSamp,layers.uv * grid.size + axis * tiles,grid);
-found = max(found,BokehReaching(tile.rg,abs(tiles)));
-logBrightness += tile.b;
+vec4 tile=BokehFetchGrid(TilesSamp,layers.uv*grid.size+axis*tiles,grid);
+found=max(found,BokehReaching(tile.rg,abs(tiles)));
+logBrightness+=tile.b;
 }
-return vec4(found,logBrightness / (2.0 * radius + 1.0),1.0);
+return vec4(found,logBrightness/(2.0*radius+1.0),1.0);
 }
 vec4 BokehBlurWeights(vec4 a,vec4 b,vec4 c,vec4 d,float inverseBrightness,float maxWeight)
 {
-vec4 brightest = vec4(BokehBrightest(a.rgb),BokehBrightest(b.rgb),BokehBrightest(c.rgb),
+vec4 brightest=vec4(BokehBrightest(a.rgb),BokehBrightest(b.rgb),BokehBrightest(c.rgb),
 BokehBrightest(d.rgb));
-return min(0.01 + brightest * inverseBrightness,vec4(maxWeight,maxWeight,maxWeight,
+return min(0.01+brightest*inverseBrightness,vec4(maxWeight,maxWeight,maxWeight,
 maxWeight));
 }
 struct BokehPrefiltered
@@ -994,28 +994,28 @@ vec4 gatherCoC;
 };
 vec4 BokehLayerWeights(vec4 CoC,float slope)
 {
-return clamp(CoC * slope - 2.0,vec4(0.0,0.0,0.0,0.0),vec4(1.0,1.0,1.0,1.0));
+return clamp(CoC*slope-2.0,vec4(0.0,0.0,0.0,0.0),vec4(1.0,1.0,1.0,1.0));
 }
 vec4 BokehSurroundings(vec4 found,vec4 pixel,float nearWeight,float maxNearWeight)
 {
-vec4 result = vec4(min(found.rgb,pixel.rgb),found.a);
-if (nearWeight < 0.5 * maxNearWeight)
+vec4 result=vec4(min(found.rgb,pixel.rgb),found.a);
+if(nearWeight < 0.5*maxNearWeight)
 {
-result = vec4(found.rgb,max(found.a,BokehBrightest(pixel.rgb)));
+result=vec4(found.rgb,max(found.a,BokehBrightest(pixel.rgb)));
 }
 return result;
 }
 vec4 BokehNearPixel(vec4 pixel,float nearWeight,vec4 around)
 {
-vec4 result = vec4(pixel.rgb,nearWeight);
-float brightest = BokehBrightest(pixel.rgb);
-float limit = BokehBrightest(around.rgb);
-if (around.a > brightest)
+vec4 result=vec4(pixel.rgb,nearWeight);
+float brightest=BokehBrightest(pixel.rgb);
+float limit=BokehBrightest(around.rgb);
+if(around.a > brightest)
 {
-result = vec4(min(pixel.rgb,around.rgb),nearWeight);
-if (brightest > limit)
+result=vec4(min(pixel.rgb,around.rgb),nearWeight);
+if(brightest > limit)
 {
-result = vec4(result.rgb,nearWeight * (around.a - brightest) / (around.a - limit));
+result=vec4(result.rgb,nearWeight*(around.a-brightest)/(around.a-limit));
 }
 }
 return result;
@@ -1023,67 +1023,67 @@ return result;
 BokehPrefiltered BokehPrefilter(BOKEH_TEXTURE MapSamp,BOKEH_TEXTURE DilatedTilesSamp,
 BokehLayerContext layers)
 {
-BokehGrid full = BokehFullGrid(layers);
-vec2 middle = floor(layers.uv * ceil(layers.size / 2.0)) * 2.0 + vec2(1.0,1.0);
-vec4 tile = BokehFetchGrid(DilatedTilesSamp,middle / 8.0,BokehReducedGrid(layers,8.0));
-float nearSlope = BokehNearSlope(tile.r);
-float farSlope = BokehFarSlope(tile.g);
-float inverseBrightness = exp2(-tile.b);
-float maxWeight = 500000.0 / max(layers.largest,50.0);
-vec4 a = BokehFetchGrid(MapSamp,middle + vec2(-0.5,-0.5),full);
-vec4 b = BokehFetchGrid(MapSamp,middle + vec2(0.5,-0.5),full);
-vec4 c = BokehFetchGrid(MapSamp,middle + vec2(-0.5,0.5),full);
-vec4 d = BokehFetchGrid(MapSamp,middle + vec2(0.5,0.5),full);
-vec4 s = vec4(a.a,b.a,c.a,d.a) * full.size.y;
-vec4 nearWeights = BokehLayerWeights(-s,nearSlope);
-vec4 farWeights = BokehLayerWeights(s,farSlope);
-vec4 farSum = vec4(a.rgb,1.0) * farWeights.x + vec4(b.rgb,1.0) * farWeights.y + vec4(c.rgb,
-1.0) * farWeights.z + vec4(d.rgb,1.0) * farWeights.w;
-vec4 weights = farWeights * BokehBlurWeights(a,b,c,d,inverseBrightness,maxWeight);
-vec4 one = vec4(1.0,1.0,1.0,1.0);
-vec4 sums = vec4(0.0,0.0,dot(weights,s) / 8.0,dot(weights,one));
-vec4 nearGather = -s * min(4.0 - 4.0 * nearWeights,one);
-vec4 farGather = s * min(4.0 - 4.0 * farWeights,one);
-vec2 gatherCoC = max(max(vec2(nearGather.x,farGather.x),vec2(nearGather.y,farGather.y)),
+BokehGrid full=BokehFullGrid(layers);
+vec2 middle=floor(layers.uv*ceil(layers.size/2.0))*2.0+vec2(1.0,1.0);
+vec4 tile=BokehFetchGrid(DilatedTilesSamp,middle/8.0,BokehReducedGrid(layers,8.0));
+float nearSlope=BokehNearSlope(tile.r);
+float farSlope=BokehFarSlope(tile.g);
+float inverseBrightness=exp2(-tile.b);
+float maxWeight=500000.0/max(layers.largest,50.0);
+vec4 a=BokehFetchGrid(MapSamp,middle+vec2(-0.5,-0.5),full);
+vec4 b=BokehFetchGrid(MapSamp,middle+vec2(0.5,-0.5),full);
+vec4 c=BokehFetchGrid(MapSamp,middle+vec2(-0.5,0.5),full);
+vec4 d=BokehFetchGrid(MapSamp,middle+vec2(0.5,0.5),full);
+vec4 s=vec4(a.a,b.a,c.a,d.a)*full.size.y;
+vec4 nearWeights=BokehLayerWeights(-s,nearSlope);
+vec4 farWeights=BokehLayerWeights(s,farSlope);
+vec4 farSum=vec4(a.rgb,1.0)*farWeights.x+vec4(b.rgb,1.0)*farWeights.y+vec4(c.rgb,
+1.0)*farWeights.z+vec4(d.rgb,1.0)*farWeights.w;
+vec4 weights=farWeights*BokehBlurWeights(a,b,c,d,inverseBrightness,maxWeight);
+vec4 one=vec4(1.0,1.0,1.0,1.0);
+vec4 sums=vec4(0.0,0.0,dot(weights,s)/8.0,dot(weights,one));
+vec4 nearGather = -s*min(4.0-4.0*nearWeights,one);
+vec4 farGather=s*min(4.0-4.0*farWeights,one);
+vec2 gatherCoC=max(max(vec2(nearGather.x,farGather.x),vec2(nearGather.y,farGather.y)),
 max(vec2(nearGather.z,farGather.z),vec2(nearGather.w,farGather.w)));
-float maxNearWeight = max(max(nearWeights.x,nearWeights.y),max(nearWeights.z,nearWeights.w));
-vec4 nearSum = vec4(0.0,0.0,0.0,0.0);
-if (maxNearWeight > 0.0)
+float maxNearWeight=max(max(nearWeights.x,nearWeights.y),max(nearWeights.z,nearWeights.w));
+vec4 nearSum=vec4(0.0,0.0,0.0,0.0);
+if(maxNearWeight > 0.0)
 {
-vec4 around = vec4(BOKEH_MAX_COLOR,BOKEH_MAX_COLOR,BOKEH_MAX_COLOR,0.0);
-around = BokehSurroundings(around,a,nearWeights.x,maxNearWeight);
-around = BokehSurroundings(around,b,nearWeights.y,maxNearWeight);
-around = BokehSurroundings(around,c,nearWeights.z,maxNearWeight);
-around = BokehSurroundings(around,d,nearWeights.w,maxNearWeight);
-for (int y = 0; y < 4; y++)
+vec4 around=vec4(BOKEH_MAX_COLOR,BOKEH_MAX_COLOR,BOKEH_MAX_COLOR,0.0);
+around=BokehSurroundings(around,a,nearWeights.x,maxNearWeight);
+around=BokehSurroundings(around,b,nearWeights.y,maxNearWeight);
+around=BokehSurroundings(around,c,nearWeights.z,maxNearWeight);
+around=BokehSurroundings(around,d,nearWeights.w,maxNearWeight);
+for(int y=0;y < 4;y++)
 {
-for (int x = 0; x < 4; x++)
+for(int x=0;x < 4;x++)
 {
-vec2 offset = vec2(float(x) - 1.5,float(y) - 1.5);
-if (abs(abs(offset.x) + abs(offset.y) - 2.0) < 0.5)
+vec2 offset=vec2(float(x)-1.5,float(y)-1.5);
+if(abs(abs(offset.x)+abs(offset.y)-2.0) < 0.5)
 {
-vec4 pixel = BokehFetchGrid(MapSamp,middle + offset,full);
-around = BokehSurroundings(around,pixel,BokehLayerWeight(-pixel.a *
+vec4 pixel=BokehFetchGrid(MapSamp,middle+offset,full);
+around=BokehSurroundings(around,pixel,BokehLayerWeight(-pixel.a *
 full.size.y,nearSlope),maxNearWeight);
 }
 }
 }
-a = BokehNearPixel(a,nearWeights.x,around);
-b = BokehNearPixel(b,nearWeights.y,around);
-c = BokehNearPixel(c,nearWeights.z,around);
-d = BokehNearPixel(d,nearWeights.w,around);
-nearSum = vec4(a.rgb,1.0) * a.a + vec4(b.rgb,1.0) * b.a + vec4(c.rgb,1.0) * c.a +
-vec4(d.rgb,1.0) * d.a;
-weights = vec4(a.a,b.a,c.a,d.a) * BokehBlurWeights(a,b,c,d,inverseBrightness,
+a=BokehNearPixel(a,nearWeights.x,around);
+b=BokehNearPixel(b,nearWeights.y,around);
+c=BokehNearPixel(c,nearWeights.z,around);
+d=BokehNearPixel(d,nearWeights.w,around);
+nearSum=vec4(a.rgb,1.0)*a.a+vec4(b.rgb,1.0)*b.a+vec4(c.rgb,1.0)*c.a +
+vec4(d.rgb,1.0)*d.a;
+weights=vec4(a.a,b.a,c.a,d.a)*BokehBlurWeights(a,b,c,d,inverseBrightness,
 maxWeight);
-sums = vec4(-dot(weights,s) / 8.0,dot(weights,one),sums.z,sums.w);
+sums=vec4(-dot(weights,s)/8.0,dot(weights,one),sums.z,sums.w);
 }
 BokehPrefiltered targets;
-targets.nearLayer = nearSum * 0.25;
-targets.farLayer = farSum * 0.25;
-float maxValue = BOKEH_MAX_COLOR;
-targets.layerCoCSums = min(sums * 0.25,vec4(maxValue,maxValue,maxValue,maxValue));
-targets.gatherCoC = vec4(clamp(gatherCoC,vec2(0.0,0.0),vec2(maxValue,maxValue)),0.0,1.0);
+targets.nearLayer=nearSum*0.25;
+targets.farLayer=farSum*0.25;
+float maxValue=BOKEH_MAX_COLOR;
+targets.layerCoCSums=min(sums*0.25,vec4(maxValue,maxValue,maxValue,maxValue));
+targets.gatherCoC=vec4(clamp(gatherCoC,vec2(0.0,0.0),vec2(maxValue,maxValue)),0.0,1.0);
 return targets;
 }
 struct BokehTileSums
@@ -1094,52 +1094,52 @@ vec4 sums;
 BokehTileSums BokehLayerCoCReduce(BOKEH_TEXTURE SumsSamp,BOKEH_TEXTURE GatherCoCSamp,
 BokehLayerContext layers)
 {
-BokehGrid halves = BokehReducedGrid(layers,2.0);
-vec2 first = floor(layers.uv * ceil(layers.size / 8.0)) * 4.0 + vec2(0.5,0.5);
-vec4 sums = vec4(0.0,0.0,0.0,0.0);
-vec2 gatherCoC = vec2(0.0,0.0);
-for (int y = 0; y < 4; y++)
+BokehGrid halves=BokehReducedGrid(layers,2.0);
+vec2 first=floor(layers.uv*ceil(layers.size/8.0))*4.0+vec2(0.5,0.5);
+vec4 sums=vec4(0.0,0.0,0.0,0.0);
+vec2 gatherCoC=vec2(0.0,0.0);
+for(int y=0;y < 4;y++)
 {
-for (int x = 0; x < 4; x++)
+for(int x=0;x < 4;x++)
 {
-vec2 place = first + vec2(float(x),float(y));
-sums += BokehFetchGrid(SumsSamp,place,halves);
-gatherCoC = max(gatherCoC,BokehFetchGrid(GatherCoCSamp,place,halves).rg);
+vec2 place=first+vec2(float(x),float(y));
+sums+=BokehFetchGrid(SumsSamp,place,halves);
+gatherCoC=max(gatherCoC,BokehFetchGrid(GatherCoCSamp,place,halves).rg);
 }
 }
 BokehTileSums targets;
-targets.gatherCoC = vec4(gatherCoC,0.0,1.0);
-targets.sums = sums / 16.0;
+targets.gatherCoC=vec4(gatherCoC,0.0,1.0);
+targets.sums=sums/16.0;
 return targets;
 }
 BokehTileSums BokehLayerCoCAlong(BOKEH_TEXTURE GatherCoCSamp,BOKEH_TEXTURE SumsSamp,
 BOKEH_TEXTURE DilatedTilesSamp,vec2 axis,BokehLayerContext layers)
 {
-BokehGrid grid = BokehReducedGrid(layers,8.0);
-vec2 tile = BokehFetchGrid(DilatedTilesSamp,layers.uv * grid.size,grid).rg;
-vec2 sigma = max(tile * 0.0375,vec2(0.6,0.6));
-float radius = BokehReachTiles(layers);
-vec4 sums = vec4(0.0,0.0,0.0,0.0);
-vec2 gatherCoC = vec2(0.0,0.0);
-vec2 total = vec2(0.0,0.0);
-for (int i = 0; i < 255; i++)
+BokehGrid grid=BokehReducedGrid(layers,8.0);
+vec2 tile=BokehFetchGrid(DilatedTilesSamp,layers.uv*grid.size,grid).rg;
+vec2 sigma=max(tile*0.0375,vec2(0.6,0.6));
+float radius=BokehReachTiles(layers);
+vec4 sums=vec4(0.0,0.0,0.0,0.0);
+vec2 gatherCoC=vec2(0.0,0.0);
+vec2 total=vec2(0.0,0.0);
+for(int i=0;i < 255;i++)
 {
-float tiles = float(i) - radius;
-if (tiles > radius)
+float tiles=float(i)-radius;
+if(tiles > radius)
 {
 break;
 }
-vec2 place = layers.uv * grid.size + axis * tiles;
-vec2 weight = exp(-0.5 * tiles * tiles / (sigma * sigma));
-sums += BokehFetchGrid(SumsSamp,place,grid) * vec4(weight.x,weight.x,weight.y,
+vec2 place=layers.uv*grid.size+axis*tiles;
+vec2 weight=exp(-0.5*tiles*tiles/(sigma*sigma));
+sums+=BokehFetchGrid(SumsSamp,place,grid)*vec4(weight.x,weight.x,weight.y,
 weight.y);
-gatherCoC = max(gatherCoC,BokehReaching(BokehFetchGrid(GatherCoCSamp,place,grid).rg,
+gatherCoC=max(gatherCoC,BokehReaching(BokehFetchGrid(GatherCoCSamp,place,grid).rg,
 abs(tiles)));
-total += weight;
+total+=weight;
 }
 BokehTileSums targets;
-targets.gatherCoC = vec4(gatherCoC,0.0,1.0);
-targets.sums = sums / vec4(total.x,total.x,total.y,total.y);
+targets.gatherCoC=vec4(gatherCoC,0.0,1.0);
+targets.sums=sums/vec4(total.x,total.x,total.y,total.y);
 return targets;
 }
 BokehTileSums BokehLayerCoCRows(BOKEH_TEXTURE GatherCoCSamp,BOKEH_TEXTURE SumsSamp,
@@ -1155,28 +1155,28 @@ vec4 layerCoC;
 BokehLayerCoCTargets BokehLayerCoCColumns(BOKEH_TEXTURE GatherCoCSamp,BOKEH_TEXTURE SumsSamp,
 BOKEH_TEXTURE DilatedTilesSamp,BokehLayerContext layers)
 {
-BokehGrid grid = BokehReducedGrid(layers,8.0);
-vec2 tile = BokehFetchGrid(DilatedTilesSamp,layers.uv * grid.size,grid).rg;
-BokehTileSums tileSums = BokehLayerCoCAlong(GatherCoCSamp,SumsSamp,DilatedTilesSamp,vec2(0.0,
+BokehGrid grid=BokehReducedGrid(layers,8.0);
+vec2 tile=BokehFetchGrid(DilatedTilesSamp,layers.uv*grid.size,grid).rg;
+BokehTileSums tileSums=BokehLayerCoCAlong(GatherCoCSamp,SumsSamp,DilatedTilesSamp,vec2(0.0,
 1.0),layers);
-vec4 sums = tileSums.sums;
-vec2 layerCoC = vec2(0.0,0.0);
-if (sums.g > 0.0001 && tile.r > 6.0)
+vec4 sums=tileSums.sums;
+vec2 layerCoC=vec2(0.0,0.0);
+if(sums.g > 0.0001&&tile.r > 6.0)
 {
-layerCoC = vec2(8.0 * sums.r / sums.g,0.0);
+layerCoC=vec2(8.0*sums.r/sums.g,0.0);
 }
-if (sums.a > 0.0001 && tile.g > 10.0)
+if(sums.a > 0.0001&&tile.g > 10.0)
 {
-layerCoC = vec2(layerCoC.x,8.0 * sums.b / sums.a);
+layerCoC=vec2(layerCoC.x,8.0*sums.b/sums.a);
 }
 BokehLayerCoCTargets targets;
-targets.gatherTiles = vec4(tile,tileSums.gatherCoC.rg);
-targets.layerCoC = vec4(layerCoC,0.0,1.0);
+targets.gatherTiles=vec4(tile,tileSums.gatherCoC.rg);
+targets.layerCoC=vec4(layerCoC,0.0,1.0);
 return targets;
 }
 vec2 BokehLayerCoC(BOKEH_TEXTURE LayerCoCSamp,BokehLayerContext layers)
 {
-vec2 place = layers.uv * ceil(layers.size / 2.0) / 4.0;
+vec2 place=layers.uv*ceil(layers.size/2.0)/4.0;
 return BokehFetchGrid(LayerCoCSamp,place,BokehReducedGrid(layers,8.0)).rg;
 }
 struct BokehBlur
@@ -1188,55 +1188,55 @@ float sideTap;
 };
 BokehBlur BokehLayerBlur(vec2 layerCoC,bool isFar,BokehPolygon polygon)
 {
-float CoC = 0.5 * layerCoC.r;
-float minSpacing = 1.5;
-float selfBlur = 9.0;
-if (isFar)
+float CoC=0.5*layerCoC.r;
+float minSpacing=1.5;
+float selfBlur=9.0;
+if(isFar)
 {
-CoC = 0.5 * layerCoC.g;
-minSpacing = 1.15;
-selfBlur = clamp(0.06 * CoC * CoC,7.5,22.0);
+CoC=0.5*layerCoC.g;
+minSpacing=1.15;
+selfBlur=clamp(0.06*CoC*CoC,7.5,22.0);
 }
-float spacing = 0.5 * CoC / float(BOKEH_LAYER_SAMPLES);
-float hard = 0.4;
-if (polygon.sides < 6)
+float spacing=0.5*CoC/float(BOKEH_LAYER_SAMPLES);
+float hard=0.4;
+if(polygon.sides < 6)
 {
-spacing = 0.354 * CoC / float(BOKEH_LAYER_SAMPLES);
-hard = 0.2;
+spacing=0.354*CoC/float(BOKEH_LAYER_SAMPLES);
+hard=0.2;
 }
 BokehBlur blur;
-blur.useQuarterLayer = spacing > minSpacing;
-blur.sideTap = 0.0;
-if (blur.useQuarterLayer)
+blur.useQuarterLayer=spacing > minSpacing;
+blur.sideTap=0.0;
+if(blur.useQuarterLayer)
 {
-blur.sideTap = clamp(0.25 * spacing - hard,0.0,0.6);
-selfBlur += 14.0 + 154.0 * blur.sideTap / (1.0 + 2.0 * blur.sideTap);
+blur.sideTap=clamp(0.25*spacing-hard,0.0,0.6);
+selfBlur+=14.0+154.0*blur.sideTap/(1.0+2.0*blur.sideTap);
 }
-blur.CoC = sqrt(max(CoC * CoC - selfBlur,0.25));
-blur.spacing = max(spacing,1.0);
+blur.CoC=sqrt(max(CoC*CoC-selfBlur,0.25));
+blur.spacing=max(spacing,1.0);
 return blur;
 }
 vec4 BokehQuarterLayer(BOKEH_TEXTURE LayerSamp,vec2 center,float side,BokehLayerContext layers)
 {
-BokehGrid halves = BokehReducedGrid(layers,2.0);
-vec4 sum = vec4(0.0,0.0,0.0,0.0);
-if (side > 0.0)
+BokehGrid halves=BokehReducedGrid(layers,2.0);
+vec4 sum=vec4(0.0,0.0,0.0,0.0);
+if(side > 0.0)
 {
-for (int y = 0; y < 3; y++)
+for(int y=0;y < 3;y++)
 {
-for (int x = 0; x < 3; x++)
+for(int x=0;x < 3;x++)
 {
-vec2 offset = vec2(float(x) - 1.0,float(y) - 1.0);
-vec2 weight = 1.0 - (1.0 - side) * abs(offset);
-sum += BokehFetchGrid(LayerSamp,center + 2.0 * offset,halves) * (weight.x *
+vec2 offset=vec2(float(x)-1.0,float(y)-1.0);
+vec2 weight=1.0-(1.0-side)*abs(offset);
+sum+=BokehFetchGrid(LayerSamp,center+2.0*offset,halves)*(weight.x *
 weight.y);
 }
 }
-sum = sum / ((1.0 + 2.0 * side) * (1.0 + 2.0 * side));
+sum=sum/((1.0+2.0*side)*(1.0+2.0*side));
 }
 else
 {
-sum = BokehFetchGrid(LayerSamp,center,halves);
+sum=BokehFetchGrid(LayerSamp,center,halves);
 }
 return sum;
 }
@@ -1251,54 +1251,54 @@ BokehDownsampled BokehDownsample(BOKEH_TEXTURE MapSamp,BOKEH_TEXTURE DilatedTile
 BOKEH_TEXTURE NearSamp,BOKEH_TEXTURE FarSamp,BOKEH_TEXTURE LayerCoCSamp,BokehPolygon polygon,
 BokehLayerContext layers)
 {
-BokehGrid full = BokehFullGrid(layers);
-vec2 first = floor(layers.uv * ceil(layers.size / 4.0)) * 4.0 + vec2(0.5,0.5);
-vec2 middlePlace = first + vec2(1.5,1.5);
-vec4 tile = BokehFetchGrid(DilatedTilesSamp,middlePlace / 8.0,BokehReducedGrid(layers,8.0));
-float nearSlope = BokehNearSlope(tile.r);
-float farSlope = BokehFarSlope(tile.g);
-float inverseBrightness = exp2(-tile.b);
-vec4 mid = vec4(0.0,0.0,0.0,0.0);
-vec4 far = vec4(0.0,0.0,0.0,0.0);
-for (int y = 0; y < 4; y++)
+BokehGrid full=BokehFullGrid(layers);
+vec2 first=floor(layers.uv*ceil(layers.size/4.0))*4.0+vec2(0.5,0.5);
+vec2 middlePlace=first+vec2(1.5,1.5);
+vec4 tile=BokehFetchGrid(DilatedTilesSamp,middlePlace/8.0,BokehReducedGrid(layers,8.0));
+float nearSlope=BokehNearSlope(tile.r);
+float farSlope=BokehFarSlope(tile.g);
+float inverseBrightness=exp2(-tile.b);
+vec4 mid=vec4(0.0,0.0,0.0,0.0);
+vec4 far=vec4(0.0,0.0,0.0,0.0);
+for(int y=0;y < 4;y++)
 {
-for (int x = 0; x < 4; x++)
+for(int x=0;x < 4;x++)
 {
-vec2 place = first + vec2(float(x),float(y));
-vec4 pixel = BokehFetchGrid(MapSamp,place,full);
-float s = pixel.a * full.size.y;
-float nearWeight = BokehLayerWeight(-s,nearSlope);
-float notNear = max(1.0 - 2.0 * nearWeight,0.0625 - 0.0625 * nearWeight);
-float farWeight = BokehLayerWeight(s,farSlope);
-float weight = notNear / (1.0 + BokehBrightest(pixel.rgb) * inverseBrightness);
-mid += vec4(pixel.rgb,1.0) * (weight * (1.0 - farWeight));
-far += vec4(pixel.rgb,1.0) * (weight * farWeight);
+vec2 place=first+vec2(float(x),float(y));
+vec4 pixel=BokehFetchGrid(MapSamp,place,full);
+float s=pixel.a*full.size.y;
+float nearWeight=BokehLayerWeight(-s,nearSlope);
+float notNear=max(1.0-2.0*nearWeight,0.0625-0.0625*nearWeight);
+float farWeight=BokehLayerWeight(s,farSlope);
+float weight=notNear/(1.0+BokehBrightest(pixel.rgb)*inverseBrightness);
+mid+=vec4(pixel.rgb,1.0)*(weight*(1.0-farWeight));
+far+=vec4(pixel.rgb,1.0)*(weight*farWeight);
 }
 }
-vec2 center = 0.5 * middlePlace;
-vec2 layerCoC = BokehLayerCoC(LayerCoCSamp,layers);
+vec2 center=0.5*middlePlace;
+vec2 layerCoC=BokehLayerCoC(LayerCoCSamp,layers);
 BokehDownsampled targets;
-targets.midWithHoles = mid / 16.0;
-targets.farWithHoles = far / 16.0;
-BokehBlur nearBlur = BokehLayerBlur(layerCoC,false,polygon);
-BokehBlur farBlur = BokehLayerBlur(layerCoC,true,polygon);
-targets.nearQuarter = BokehQuarterLayer(NearSamp,center,nearBlur.sideTap,layers);
-targets.farQuarter = BokehQuarterLayer(FarSamp,center,farBlur.sideTap,layers);
+targets.midWithHoles=mid/16.0;
+targets.farWithHoles=far/16.0;
+BokehBlur nearBlur=BokehLayerBlur(layerCoC,false,polygon);
+BokehBlur farBlur=BokehLayerBlur(layerCoC,true,polygon);
+targets.nearQuarter=BokehQuarterLayer(NearSamp,center,nearBlur.sideTap,layers);
+targets.farQuarter=BokehQuarterLayer(FarSamp,center,farBlur.sideTap,layers);
 return targets;
 }
 vec2 BokehEdgeDirection(int k,BokehPolygon polygon)
 {
-vec2 outwards = BokehTurn(float(k),polygon);
+vec2 outwards=BokehTurn(float(k),polygon);
 return BokehRotated(vec2(-outwards.y,outwards.x),polygon.axis);
 }
 int BokehSamplesPerEdge(int ring,BokehPolygon polygon)
 {
-return int(max(6.0 * float(ring) / float(polygon.sides) + 0.5,1.0));
+return int(max(6.0*float(ring)/float(polygon.sides)+0.5,1.0));
 }
 vec2 BokehHoleWeights(vec4 middle,vec4 far,float inverseBrightness)
 {
-return vec2(middle.a + BokehBrightest(middle.rgb) * inverseBrightness,far.a +
-BokehBrightest(far.rgb) * inverseBrightness);
+return vec2(middle.a+BokehBrightest(middle.rgb)*inverseBrightness,far.a +
+BokehBrightest(far.rgb)*inverseBrightness);
 }
 struct BokehFilled
 {
@@ -1308,136 +1308,136 @@ vec4 farFill;
 BokehFilled BokehHoleFill(BOKEH_TEXTURE MidSamp,BOKEH_TEXTURE FarSamp,
 BOKEH_TEXTURE DilatedTilesSamp,BokehPolygon polygon,BokehLayerContext layers)
 {
-BokehGrid grid = BokehReducedGrid(layers,4.0);
-vec2 center = layers.uv * grid.size;
-vec4 tile = BokehFetchGrid(DilatedTilesSamp,center / 2.0,BokehReducedGrid(layers,8.0));
-float nearCoC = tile.r;
-float inverseBrightness = exp2(-tile.b);
-vec2 corner = BokehRotated(polygon.corner,polygon.axis);
-vec2 direction = BokehEdgeDirection(1,polygon);
-vec2 turn = BokehTurn(1.0,polygon);
-vec4 mid = BokehFetchGrid(MidSamp,center,grid);
-vec4 far = BokehFetchGrid(FarSamp,center,grid);
-vec2 weights = BokehHoleWeights(mid,far,inverseBrightness);
-for (int ring = 0; ring < 4; ring++)
+BokehGrid grid=BokehReducedGrid(layers,4.0);
+vec2 center=layers.uv*grid.size;
+vec4 tile=BokehFetchGrid(DilatedTilesSamp,center/2.0,BokehReducedGrid(layers,8.0));
+float nearCoC=tile.r;
+float inverseBrightness=exp2(-tile.b);
+vec2 corner=BokehRotated(polygon.corner,polygon.axis);
+vec2 direction=BokehEdgeDirection(1,polygon);
+vec2 turn=BokehTurn(1.0,polygon);
+vec4 mid=BokehFetchGrid(MidSamp,center,grid);
+vec4 far=BokehFetchGrid(FarSamp,center,grid);
+vec2 weights=BokehHoleWeights(mid,far,inverseBrightness);
+for(int ring=0;ring < 4;ring++)
 {
-if (nearCoC < 6.0)
+if(nearCoC < 6.0)
 {
 break;
 }
-float diameter = max(nearCoC / 8.0,2.0) * exp2(float(ring) - 2.0);
-float weight = 1.0 / (1.0 + 4.0 * diameter * diameter * diameter);
-vec2 scale = vec2(polygon.squeeze * diameter,diameter);
-int onEdge = BokehSamplesPerEdge(1,polygon);
-for (int edge = 1; edge <= polygon.sides; edge++)
+float diameter=max(nearCoC/8.0,2.0)*exp2(float(ring)-2.0);
+float weight=1.0/(1.0+4.0*diameter*diameter*diameter);
+vec2 scale=vec2(polygon.squeeze*diameter,diameter);
+int onEdge=BokehSamplesPerEdge(1,polygon);
+for(int edge=1;edge <= polygon.sides;edge++)
 {
-vec2 along = direction * (BokehEdgeLength(edge,polygon) / float(onEdge));
-for (int i = 0; i < onEdge; i++)
+vec2 along=direction*(BokehEdgeLength(edge,polygon)/float(onEdge));
+for(int i=0;i < onEdge;i++)
 {
-vec2 place = center + corner * scale;
-vec4 midTexel = BokehFetchGrid(MidSamp,place,grid);
-vec4 farTexel = BokehFetchGrid(FarSamp,place,grid);
-mid += midTexel * weight;
-far += farTexel * weight;
-weights += BokehHoleWeights(midTexel,farTexel,inverseBrightness) * weight;
-corner += along;
+vec2 place=center+corner*scale;
+vec4 midTexel=BokehFetchGrid(MidSamp,place,grid);
+vec4 farTexel=BokehFetchGrid(FarSamp,place,grid);
+mid+=midTexel*weight;
+far+=farTexel*weight;
+weights+=BokehHoleWeights(midTexel,farTexel,inverseBrightness)*weight;
+corner+=along;
 }
-direction = BokehRotated(direction,turn);
+direction=BokehRotated(direction,turn);
 }
 }
-vec3 both = (mid.rgb + far.rgb) / max(mid.a + far.a,0.000001);
-float midWeight = weights.r / max(weights.r + weights.g,0.000001);
+vec3 both=(mid.rgb+far.rgb)/max(mid.a+far.a,0.000001);
+float midWeight=weights.r/max(weights.r+weights.g,0.000001);
 BokehFilled targets;
-targets.midFill = vec4(both,midWeight);
-targets.farFill = vec4(both,1.0);
-if (mid.a > 0.000001)
+targets.midFill=vec4(both,midWeight);
+targets.farFill=vec4(both,1.0);
+if(mid.a > 0.000001)
 {
-targets.midFill = vec4(mid.rgb / mid.a,midWeight);
+targets.midFill=vec4(mid.rgb/mid.a,midWeight);
 }
-if (far.a > 0.000001)
+if(far.a > 0.000001)
 {
-targets.farFill = vec4(far.rgb / far.a,1.0);
+targets.farFill=vec4(far.rgb/far.a,1.0);
 }
 return targets;
 }
 vec4 BokehLayerLine(BOKEH_TEXTURE tex,BOKEH_TEXTURE QuarterSamp,int k,BokehPolygon polygon,
 bool secondPass,BokehBlur blur,BokehLayerContext layers)
 {
-float scale = 2.0;
-if (blur.useQuarterLayer)
+float scale=2.0;
+if(blur.useQuarterLayer)
 {
-scale = 4.0;
+scale=4.0;
 }
-BokehGrid grid = BokehReducedGrid(layers,scale);
-vec4 segment = BokehEdgeLine(k,polygon,secondPass) * blur.CoC;
-float samples = max(2.0 * length(segment.zw) / blur.spacing,2.0);
-float phase = 0.5 + layers.jitter * min(blur.spacing - 1.0,1.0);
-vec2 first = (layers.uv * ceil(layers.size / 2.0) + segment.xy - segment.zw) * (2.0 / scale);
-vec2 sampleStep = segment.zw * (4.0 / (scale * samples));
-vec4 sum = vec4(0.0,0.0,0.0,0.0);
-for (int i = 0; i < int(ceil(samples)); i++)
+BokehGrid grid=BokehReducedGrid(layers,scale);
+vec4 segment=BokehEdgeLine(k,polygon,secondPass)*blur.CoC;
+float samples=max(2.0*length(segment.zw)/blur.spacing,2.0);
+float phase=0.5+layers.jitter*min(blur.spacing-1.0,1.0);
+vec2 first=(layers.uv*ceil(layers.size/2.0)+segment.xy-segment.zw)*(2.0/scale);
+vec2 sampleStep=segment.zw*(4.0/(scale*samples));
+vec4 sum=vec4(0.0,0.0,0.0,0.0);
+for(int i=0;i < int(ceil(samples));i++)
 {
-float part = clamp(samples - float(i),0.0,1.0);
-vec2 place = first + sampleStep * (float(i) + part * phase);
-vec4 texel = vec4(0.0,0.0,0.0,0.0);
-if (blur.useQuarterLayer)
+float part=clamp(samples-float(i),0.0,1.0);
+vec2 place=first+sampleStep*(float(i)+part*phase);
+vec4 texel=vec4(0.0,0.0,0.0,0.0);
+if(blur.useQuarterLayer)
 {
-texel = BokehFetchGrid(QuarterSamp,place,grid);
+texel=BokehFetchGrid(QuarterSamp,place,grid);
 }
 else
 {
-texel = BokehFetchGrid(tex,place,grid);
+texel=BokehFetchGrid(tex,place,grid);
 }
-sum += part * texel;
+sum+=part*texel;
 }
-sum = sum / samples;
-if (secondPass)
+sum=sum/samples;
+if(secondPass)
 {
-sum *= BokehEdgeArea(k,polygon);
+sum*=BokehEdgeArea(k,polygon);
 }
 return sum;
 }
 vec4 BokehLayerTarget(int k,BokehPolygon polygon,vec4 L1,vec4 L2,vec4 L3,vec4 L4)
 {
-vec4 w = BokehEdgeWeights(k,polygon);
-return (L1 * w.x + L2 * w.y + L3 * w.z + L4 * w.w) / (w.x + w.y + w.z + w.w);
+vec4 w=BokehEdgeWeights(k,polygon);
+return (L1*w.x+L2*w.y+L3*w.z+L4*w.w)/(w.x+w.y+w.z+w.w);
 }
 BokehTargets BokehLayerFirst(BOKEH_TEXTURE LayerSamp,BOKEH_TEXTURE QuarterSamp,vec2 layerCoC,
 bool isFar,int last,BokehPolygon polygon,BokehLayerContext layers)
 {
-vec2 center = layers.uv * ceil(layers.size / 2.0);
-vec4 zero = vec4(0.0,0.0,0.0,0.0);
+vec2 center=layers.uv*ceil(layers.size/2.0);
+vec4 zero=vec4(0.0,0.0,0.0,0.0);
 BokehTargets targets;
-BokehBlur blur = BokehLayerBlur(layerCoC,isFar,polygon);
-if (blur.CoC > 0.51)
+BokehBlur blur=BokehLayerBlur(layerCoC,isFar,polygon);
+if(blur.CoC > 0.51)
 {
-vec4 L2 = zero;
-vec4 L3 = zero;
-vec4 L4 = zero;
-vec4 L1 = BokehLayerLine(LayerSamp,QuarterSamp,1,polygon,false,blur,layers);
-if (last > 2)
+vec4 L2=zero;
+vec4 L3=zero;
+vec4 L4=zero;
+vec4 L1=BokehLayerLine(LayerSamp,QuarterSamp,1,polygon,false,blur,layers);
+if(last > 2)
 {
-L2 = BokehLayerLine(LayerSamp,QuarterSamp,2,polygon,false,blur,layers);
+L2=BokehLayerLine(LayerSamp,QuarterSamp,2,polygon,false,blur,layers);
 }
-if (last > 3)
+if(last > 3)
 {
-L3 = BokehLayerLine(LayerSamp,QuarterSamp,3,polygon,false,blur,layers);
+L3=BokehLayerLine(LayerSamp,QuarterSamp,3,polygon,false,blur,layers);
 }
-if (last > 4)
+if(last > 4)
 {
-L4 = BokehLayerLine(LayerSamp,QuarterSamp,4,polygon,false,blur,layers);
+L4=BokehLayerLine(LayerSamp,QuarterSamp,4,polygon,false,blur,layers);
 }
-targets.strip2 = L1;
-targets.strip3 = BokehLayerTarget(3,polygon,L1,L2,zero,zero);
-targets.strip4 = BokehLayerTarget(4,polygon,L1,L2,L3,zero);
-targets.strip5 = BokehLayerTarget(5,polygon,L1,L2,L3,L4);
+targets.strip2=L1;
+targets.strip3=BokehLayerTarget(3,polygon,L1,L2,zero,zero);
+targets.strip4=BokehLayerTarget(4,polygon,L1,L2,L3,zero);
+targets.strip5=BokehLayerTarget(5,polygon,L1,L2,L3,L4);
 }
 else
 {
-targets.strip2 = BokehFetchGrid(LayerSamp,center,BokehReducedGrid(layers,2.0));
-targets.strip3 = targets.strip2;
-targets.strip4 = targets.strip2;
-targets.strip5 = targets.strip2;
+targets.strip2=BokehFetchGrid(LayerSamp,center,BokehReducedGrid(layers,2.0));
+targets.strip3=targets.strip2;
+targets.strip4=targets.strip2;
+targets.strip5=targets.strip2;
 }
 return targets;
 }
@@ -1445,30 +1445,30 @@ vec4 BokehLayerSecond(BOKEH_TEXTURE Strip2Samp,BOKEH_TEXTURE Strip3Samp,BOKEH_TE
 BOKEH_TEXTURE Strip5Samp,vec2 layerCoC,bool isFar,BokehPolygon polygon,
 BokehLayerContext layers)
 {
-vec2 center = layers.uv * ceil(layers.size / 2.0);
-vec4 result = vec4(0.0,0.0,0.0,0.0);
-BokehBlur blur = BokehLayerBlur(layerCoC,isFar,polygon);
-blur.useQuarterLayer = false;
-if (blur.CoC > 0.51)
+vec2 center=layers.uv*ceil(layers.size/2.0);
+vec4 result=vec4(0.0,0.0,0.0,0.0);
+BokehBlur blur=BokehLayerBlur(layerCoC,isFar,polygon);
+blur.useQuarterLayer=false;
+if(blur.CoC > 0.51)
 {
-result = BokehLayerLine(Strip2Samp,Strip2Samp,2,polygon,true,blur,layers);
-if (polygon.sides > 4)
+result=BokehLayerLine(Strip2Samp,Strip2Samp,2,polygon,true,blur,layers);
+if(polygon.sides > 4)
 {
-result += BokehLayerLine(Strip3Samp,Strip3Samp,3,polygon,true,blur,layers);
+result+=BokehLayerLine(Strip3Samp,Strip3Samp,3,polygon,true,blur,layers);
 }
-if (polygon.sides > 6)
+if(polygon.sides > 6)
 {
-result += BokehLayerLine(Strip4Samp,Strip4Samp,4,polygon,true,blur,layers);
+result+=BokehLayerLine(Strip4Samp,Strip4Samp,4,polygon,true,blur,layers);
 }
-if (polygon.sides > 8)
+if(polygon.sides > 8)
 {
-result += BokehLayerLine(Strip5Samp,Strip5Samp,5,polygon,true,blur,layers);
+result+=BokehLayerLine(Strip5Samp,Strip5Samp,5,polygon,true,blur,layers);
 }
-result = result / polygon.area;
+result=result/polygon.area;
 }
 else
 {
-result = BokehFetchGrid(Strip2Samp,center,BokehReducedGrid(layers,2.0));
+result=BokehFetchGrid(Strip2Samp,center,BokehReducedGrid(layers,2.0));
 }
 return result;
 }
@@ -1483,16 +1483,16 @@ BokehLayersTargets BokehLayersFirst(BOKEH_TEXTURE NearSamp,BOKEH_TEXTURE NearQua
 BOKEH_TEXTURE FarSamp,BOKEH_TEXTURE FarQuarterSamp,vec2 layerCoC,BokehPolygon polygon,
 BokehLayerContext layers)
 {
-int last = polygon.sides / 2;
-BokehTargets near = BokehLayerFirst(NearSamp,NearQuarterSamp,layerCoC,false,last,polygon,
+int last=polygon.sides/2;
+BokehTargets near=BokehLayerFirst(NearSamp,NearQuarterSamp,layerCoC,false,last,polygon,
 layers);
-BokehTargets far = BokehLayerFirst(FarSamp,FarQuarterSamp,layerCoC,true,last,polygon,
+BokehTargets far=BokehLayerFirst(FarSamp,FarQuarterSamp,layerCoC,true,last,polygon,
 layers);
 BokehLayersTargets targets;
-targets.nearStrip2 = near.strip2;
-targets.farStrip2 = far.strip2;
-targets.nearStrip3 = near.strip3;
-targets.farStrip3 = far.strip3;
+targets.nearStrip2=near.strip2;
+targets.farStrip2=far.strip2;
+targets.nearStrip3=near.strip3;
+targets.farStrip3=far.strip3;
 return targets;
 }
 struct BokehBlurred
@@ -1505,49 +1505,49 @@ BOKEH_TEXTURE NearStrip3Samp,BOKEH_TEXTURE FarStrip3Samp,vec2 layerCoC,BokehPoly
 BokehLayerContext layers)
 {
 BokehBlurred targets;
-targets.near = BokehLayerSecond(NearStrip2Samp,NearStrip3Samp,NearStrip3Samp,NearStrip3Samp,
+targets.near=BokehLayerSecond(NearStrip2Samp,NearStrip3Samp,NearStrip3Samp,NearStrip3Samp,
 layerCoC,false,polygon,layers);
-targets.far = BokehLayerSecond(FarStrip2Samp,FarStrip3Samp,FarStrip3Samp,FarStrip3Samp,
+targets.far=BokehLayerSecond(FarStrip2Samp,FarStrip3Samp,FarStrip3Samp,FarStrip3Samp,
 layerCoC,true,polygon,layers);
 return targets;
 }
 vec4 BokehFetchLayer(BOKEH_TEXTURE LayerSamp,vec2 place,BokehGrid halves)
 {
-vec4 result = vec4(0.0,0.0,0.0,0.0);
-if (BOKEH_LAYER_CUBIC > 0)
+vec4 result=vec4(0.0,0.0,0.0,0.0);
+if(BOKEH_LAYER_CUBIC > 0)
 {
-vec2 texel = floor(place - 0.5) + 0.5;
-vec2 f = place - texel;
-vec2 w0 = f * (f * (1.0 - 0.5 * f) - 0.5);
-vec2 w2 = f * (f * (2.0 - 1.5 * f) + 0.5);
-vec2 w3 = f * f * (0.5 * f - 0.5);
-vec2 w12 = 1.0 - w0 - w3;
-vec2 inner = texel + w2 / w12;
-vec4 c = BokehFetchGrid(LayerSamp,inner,halves);
-vec4 l = BokehFetchGrid(LayerSamp,vec2(texel.x - 1.0,inner.y),halves);
-vec4 r = BokehFetchGrid(LayerSamp,vec2(texel.x + 2.0,inner.y),halves);
-vec4 t = BokehFetchGrid(LayerSamp,vec2(inner.x,texel.y - 1.0),halves);
-vec4 b = BokehFetchGrid(LayerSamp,vec2(inner.x,texel.y + 2.0),halves);
-vec2 side = w12.yx / (w12.x * w12.y + (w0.x + w3.x) * w12.y + (w0.y + w3.y) * w12.x);
-vec4 sum = c * (w12.x * side.x) + l * (w0.x * side.x) + r * (w3.x * side.x) + t * (w0.y *
-side.y) + b * (w3.y * side.y);
-result = clamp(sum,min(min(c,min(l,r)),min(t,b)),max(max(c,max(l,r)),max(t,b)));
+vec2 texel=floor(place-0.5)+0.5;
+vec2 f=place-texel;
+vec2 w0=f*(f*(1.0-0.5*f)-0.5);
+vec2 w2=f*(f*(2.0-1.5*f)+0.5);
+vec2 w3=f*f*(0.5*f-0.5);
+vec2 w12=1.0-w0-w3;
+vec2 inner=texel+w2/w12;
+vec4 c=BokehFetchGrid(LayerSamp,inner,halves);
+vec4 l=BokehFetchGrid(LayerSamp,vec2(texel.x-1.0,inner.y),halves);
+vec4 r=BokehFetchGrid(LayerSamp,vec2(texel.x+2.0,inner.y),halves);
+vec4 t=BokehFetchGrid(LayerSamp,vec2(inner.x,texel.y-1.0),halves);
+vec4 b=BokehFetchGrid(LayerSamp,vec2(inner.x,texel.y+2.0),halves);
+vec2 side=w12.yx/(w12.x*w12.y+(w0.x+w3.x)*w12.y+(w0.y+w3.y)*w12.x);
+vec4 sum=c*(w12.x*side.x)+l*(w0.x*side.x)+r*(w3.x*side.x)+t*(w0.y *
+side.y)+b*(w3.y*side.y);
+result=clamp(sum,min(min(c,min(l,r)),min(t,b)),max(max(c,max(l,r)),max(t,b)));
 }
 else
 {
-result = BokehFetchGrid(LayerSamp,place,halves);
+result=BokehFetchGrid(LayerSamp,place,halves);
 }
 return result;
 }
 vec2 BokehSpreadInverse(vec2 CoC)
 {
-vec2 inverse = 1.0 / max(CoC * CoC,vec2(0.000001,0.000001));
-return inverse * (inverse * 9.6 + 4.0);
+vec2 inverse=1.0/max(CoC*CoC,vec2(0.000001,0.000001));
+return inverse*(inverse*9.6+4.0);
 }
 float BokehRingBorder(int ring,float radius,float spacing,float narrowing)
 {
-float even = spacing * (float(ring) + 0.5);
-return max(even + even * (even / radius - 1.0) * narrowing,min(even,float(ring) + 0.5));
+float even=spacing*(float(ring)+0.5);
+return max(even+even*(even/radius-1.0)*narrowing,min(even,float(ring)+0.5));
 }
 struct BokehGather
 {
@@ -1565,180 +1565,180 @@ float inner;
 BokehGather BokehGatherRing(BokehGather before,BOKEH_TEXTURE MapSamp,int ring,int onEdge,
 float outer,BokehPolygon polygon,BokehLayerContext layers)
 {
-BokehGather gather = before;
-BokehGrid full = BokehFullGrid(layers);
-vec2 zero = vec2(0.0,0.0);
-vec2 one = vec2(1.0,1.0);
-float outwards = 0.58 - 0.04 * float(BOKEH_LAYER_RINGS);
-float current = gather.inner + (outer - gather.inner) * outwards;
-float innerSquare = gather.inner * gather.inner;
-float area = outer * outer - innerSquare;
-float phase = layers.jitter * clamp(current / float(ring) - 1.0,0.0,1.0);
-if (ring != 2 && onEdge == BokehSamplesPerEdge(1,polygon))
+BokehGather gather=before;
+BokehGrid full=BokehFullGrid(layers);
+vec2 zero=vec2(0.0,0.0);
+vec2 one=vec2(1.0,1.0);
+float outwards=0.58-0.04*float(BOKEH_LAYER_RINGS);
+float current=gather.inner+(outer-gather.inner)*outwards;
+float innerSquare=gather.inner*gather.inner;
+float area=outer*outer-innerSquare;
+float phase=layers.jitter*clamp(current/float(ring)-1.0,0.0,1.0);
+if(ring != 2&&onEdge==BokehSamplesPerEdge(1,polygon))
 {
-phase += 0.5;
+phase+=0.5;
 }
-vec2 right = vec2(polygon.axis.x * polygon.squeeze,polygon.axis.y) * current;
-vec2 upwards = vec2(-polygon.axis.y * polygon.squeeze,polygon.axis.x) * current;
-vec2 corner = polygon.corner * 2.0;
-vec2 turn = BokehTurn(1.0,polygon);
-vec2 direction = vec2(-turn.y,turn.x) * 2.0;
-for (int edge = 1; edge <= polygon.sides / 2; edge++)
+vec2 right=vec2(polygon.axis.x*polygon.squeeze,polygon.axis.y)*current;
+vec2 upwards=vec2(-polygon.axis.y*polygon.squeeze,polygon.axis.x)*current;
+vec2 corner=polygon.corner*2.0;
+vec2 turn=BokehTurn(1.0,polygon);
+vec2 direction=vec2(-turn.y,turn.x)*2.0;
+for(int edge=1;edge <= polygon.sides/2;edge++)
 {
-vec2 alongEdge = direction * BokehEdgeLength(edge,polygon);
-vec2 along = alongEdge / float(onEdge);
-float cell = (corner.x * along.y - corner.y * along.x) / (8.0 * polygon.area);
-for (int i = 0; i < onEdge; i++)
+vec2 alongEdge=direction*BokehEdgeLength(edge,polygon);
+vec2 along=alongEdge/float(onEdge);
+float cell=(corner.x*along.y-corner.y*along.x)/(8.0*polygon.area);
+for(int i=0;i < onEdge;i++)
 {
-vec2 upright = corner + along * (float(i) + phase);
-vec2 place = right * upright.x + upwards * upright.y;
-vec2 texel = floor(place);
-vec2 offset = texel + clamp((place - texel) * (gather.snapping + 1.0) - 0.5 *
+vec2 upright=corner+along*(float(i)+phase);
+vec2 place=right*upright.x+upwards*upright.y;
+vec2 texel=floor(place);
+vec2 offset=texel+clamp((place-texel)*(gather.snapping+1.0)-0.5 *
 gather.snapping,zero,one);
-vec4 pixel = BokehFetchAround(MapSamp,layers.uv,offset,full);
-vec4 other = BokehFetchAround(MapSamp,layers.uv,-offset,full);
-vec2 CoC = vec2(pixel.a,other.a) * full.size.y;
-vec2 isBehind = clamp(CoC * 2.0 - 2.0 * gather.s,zero,one) * (1.0 -
+vec4 pixel=BokehFetchAround(MapSamp,layers.uv,offset,full);
+vec4 other=BokehFetchAround(MapSamp,layers.uv,-offset,full);
+vec2 CoC=vec2(pixel.a,other.a)*full.size.y;
+vec2 isBehind=clamp(CoC*2.0-2.0*gather.s,zero,one)*(1.0 -
 gather.nearWeight);
-vec2 inverse = BokehSpreadInverse(CoC);
-inverse += (gather.inverse - inverse) * isBehind;
-inverse = clamp(inverse,gather.bounds.xx,gather.bounds.yy);
-vec2 covers = cell * max(min(1.0 - innerSquare * inverse,area * inverse),zero);
-vec2 inFar = covers * clamp(CoC * gather.slopes.y - 2.0,zero,one);
-covers = covers * (1.0 - clamp(CoC * -gather.slopes.x - 2.0,zero,one)) - inFar;
-gather.farFound += inFar.x + inFar.y;
-vec4 part = vec4(pixel.rgb,1.0) * covers.x;
-vec4 otherPart = vec4(other.rgb,1.0) * covers.y;
-gather.sum += part + otherPart;
-vec2 isFront = clamp(gather.s - 0.5 - CoC,zero,one);
-gather.front += part * isFront.x + otherPart * isFront.y;
+vec2 inverse=BokehSpreadInverse(CoC);
+inverse+=(gather.inverse-inverse)*isBehind;
+inverse=clamp(inverse,gather.bounds.xx,gather.bounds.yy);
+vec2 covers=cell*max(min(1.0-innerSquare*inverse,area*inverse),zero);
+vec2 inFar=covers*clamp(CoC*gather.slopes.y-2.0,zero,one);
+covers=covers*(1.0-clamp(CoC * -gather.slopes.x-2.0,zero,one))-inFar;
+gather.farFound+=inFar.x+inFar.y;
+vec4 part=vec4(pixel.rgb,1.0)*covers.x;
+vec4 otherPart=vec4(other.rgb,1.0)*covers.y;
+gather.sum+=part+otherPart;
+vec2 isFront=clamp(gather.s-0.5-CoC,zero,one);
+gather.front+=part*isFront.x+otherPart*isFront.y;
 }
-corner += alongEdge;
-direction = BokehRotated(direction,turn);
+corner+=alongEdge;
+direction=BokehRotated(direction,turn);
 }
-gather.inner = outer;
+gather.inner=outer;
 return gather;
 }
 vec4 BokehComposite(BOKEH_TEXTURE MapSamp,BOKEH_TEXTURE GatherTilesSamp,BOKEH_TEXTURE NearSamp,
 BOKEH_TEXTURE FarSamp,BOKEH_TEXTURE MidFillSamp,BOKEH_TEXTURE FarFillSamp,
 BokehPolygon polygon,BokehLayerContext layers)
 {
-BokehGrid full = BokehFullGrid(layers);
-vec2 center = layers.uv * full.size;
-vec4 centerPixel = BokehFetchTexel(MapSamp,BokehToTexture(layers.uv));
-vec4 tile = BokehFetchGrid(GatherTilesSamp,center / 8.0,BokehReducedGrid(layers,8.0));
-vec3 result = centerPixel.rgb;
-if (max(tile.r,tile.g) > 1.0)
+BokehGrid full=BokehFullGrid(layers);
+vec2 center=layers.uv*full.size;
+vec4 centerPixel=BokehFetchTexel(MapSamp,BokehToTexture(layers.uv));
+vec4 tile=BokehFetchGrid(GatherTilesSamp,center/8.0,BokehReducedGrid(layers,8.0));
+vec3 result=centerPixel.rgb;
+if(max(tile.r,tile.g) > 1.0)
 {
 BokehGather gather;
-float s = centerPixel.a * full.size.y;
-gather.s = s;
-gather.slopes = vec2(BokehNearSlope(tile.r),BokehFarSlope(tile.g));
-float nearWeight = BokehLayerWeight(-s,gather.slopes.x);
-float farWeight = BokehLayerWeight(s,gather.slopes.y);
-gather.nearWeight = nearWeight;
-gather.inverse = BokehSpreadInverse(vec2(s,s)).x;
-float restRadius = clamp(16.0 - 16.0 * farWeight,0.0,1.0) * (1.0 - nearWeight) /
+float s=centerPixel.a*full.size.y;
+gather.s=s;
+gather.slopes=vec2(BokehNearSlope(tile.r),BokehFarSlope(tile.g));
+float nearWeight=BokehLayerWeight(-s,gather.slopes.x);
+float farWeight=BokehLayerWeight(s,gather.slopes.y);
+gather.nearWeight=nearWeight;
+gather.inverse=BokehSpreadInverse(vec2(s,s)).x;
+float restRadius=clamp(16.0-16.0*farWeight,0.0,1.0)*(1.0-nearWeight) /
 sqrt(gather.inverse);
-float radius = max(max(restRadius,0.01),0.5 * max(tile.b,tile.a * farWeight));
-float narrowing = clamp(radius / max(restRadius,1.0) - 1.0,0.0,1.0);
-float rings = float(BOKEH_LAYER_RINGS);
-if (max(tile.g,tile.r + 4.0) <= 14.0 - 4.0 * float(BOKEH_LAYER_CUBIC))
+float radius=max(max(restRadius,0.01),0.5*max(tile.b,tile.a*farWeight));
+float narrowing=clamp(radius/max(restRadius,1.0)-1.0,0.0,1.0);
+float rings=float(BOKEH_LAYER_RINGS);
+if(max(tile.g,tile.r+4.0) <= 14.0-4.0*float(BOKEH_LAYER_CUBIC))
 {
-rings += 1.0;
+rings+=1.0;
 }
-float wideRings = min(radius / 3.0,float(BOKEH_LAYER_RINGS) + 1.0);
-float denseRings = rings;
-rings = max(rings,wideRings);
-float spacing = max(min(radius / 1.499,1.0),radius / (rings + 0.499));
-gather.inner = BokehRingBorder(0,radius,spacing,narrowing);
-if (radius < 0.5)
+float wideRings=min(radius/3.0,float(BOKEH_LAYER_RINGS)+1.0);
+float denseRings=rings;
+rings=max(rings,wideRings);
+float spacing=max(min(radius/1.499,1.0),radius/(rings+0.499));
+gather.inner=BokehRingBorder(0,radius,spacing,narrowing);
+if(radius < 0.5)
 {
-gather.inner = radius;
+gather.inner=radius;
 }
-gather.bounds = 1.0 / vec2(radius * radius,gather.inner * gather.inner);
-float weight = (1.0 - nearWeight) * min(gather.inverse / gather.bounds.y,1.0);
-gather.farFound = weight * farWeight;
-gather.sum = vec4(centerPixel.rgb,1.0) * (weight - gather.farFound);
-gather.front = vec4(0.0,0.0,0.0,0.0);
-float edges = max(tile.r,tile.g - 16.0);
-gather.snapping = 3.75 * clamp(edges / 5.0,0.0,1.0) + 100.0 * clamp((edges - 10.0) / 16.0,
+gather.bounds=1.0/vec2(radius*radius,gather.inner*gather.inner);
+float weight=(1.0-nearWeight)*min(gather.inverse/gather.bounds.y,1.0);
+gather.farFound=weight*farWeight;
+gather.sum=vec4(centerPixel.rgb,1.0)*(weight-gather.farFound);
+gather.front=vec4(0.0,0.0,0.0,0.0);
+float edges=max(tile.r,tile.g-16.0);
+gather.snapping=3.75*clamp(edges/5.0,0.0,1.0)+100.0*clamp((edges-10.0)/16.0,
 0.0,1.0);
-float lastInner = radius;
-if (wideRings > denseRings)
+float lastInner=radius;
+if(wideRings > denseRings)
 {
-lastInner = min(BokehRingBorder(BOKEH_LAYER_RINGS,radius,spacing,narrowing),radius);
+lastInner=min(BokehRingBorder(BOKEH_LAYER_RINGS,radius,spacing,narrowing),radius);
 }
-float denseInner = gather.inner;
-for (int sparse = 0; sparse < 2; sparse++)
+float denseInner=gather.inner;
+for(int sparse=0;sparse < 2;sparse++)
 {
-int ring = 1 + sparse * BOKEH_LAYER_RINGS;
-if (sparse > 0)
+int ring=1+sparse*BOKEH_LAYER_RINGS;
+if(sparse > 0)
 {
-denseInner = gather.inner;
-gather.inner = lastInner;
+denseInner=gather.inner;
+gather.inner=lastInner;
 }
-if (gather.inner >= radius)
+if(gather.inner >= radius)
 {
 break;
 }
-float outer = min(BokehRingBorder(ring,radius,spacing,narrowing),radius);
-gather = BokehGatherRing(gather,MapSamp,ring,BokehSamplesPerEdge(1,polygon),outer,
+float outer=min(BokehRingBorder(ring,radius,spacing,narrowing),radius);
+gather=BokehGatherRing(gather,MapSamp,ring,BokehSamplesPerEdge(1,polygon),outer,
 polygon,layers);
 }
-gather.inner = denseInner;
-for (int ring = 2; ring <= BOKEH_LAYER_RINGS + 1; ring++)
+gather.inner=denseInner;
+for(int ring=2;ring <= BOKEH_LAYER_RINGS+1;ring++)
 {
-if (gather.inner >= lastInner)
+if(gather.inner >= lastInner)
 {
 break;
 }
-float outer = min(BokehRingBorder(ring,radius,spacing,narrowing),lastInner);
-int onEdge = BokehSamplesPerEdge(BOKEH_LAYER_RINGS,polygon);
-if (BOKEH_LAYER_RINGS > 2)
+float outer=min(BokehRingBorder(ring,radius,spacing,narrowing),lastInner);
+int onEdge=BokehSamplesPerEdge(BOKEH_LAYER_RINGS,polygon);
+if(BOKEH_LAYER_RINGS > 2)
 {
-onEdge = BokehSamplesPerEdge(min(ring,BOKEH_LAYER_RINGS),polygon);
+onEdge=BokehSamplesPerEdge(min(ring,BOKEH_LAYER_RINGS),polygon);
 }
-gather = BokehGatherRing(gather,MapSamp,ring,onEdge,outer,polygon,layers);
+gather=BokehGatherRing(gather,MapSamp,ring,onEdge,outer,polygon,layers);
 }
-vec4 nearLayer = vec4(0.0,0.0,0.0,0.0);
-vec4 farLayer = vec4(0.0,0.0,0.0,0.0);
-BokehGrid halves = BokehReducedGrid(layers,2.0);
-if (tile.r > 6.0)
+vec4 nearLayer=vec4(0.0,0.0,0.0,0.0);
+vec4 farLayer=vec4(0.0,0.0,0.0,0.0);
+BokehGrid halves=BokehReducedGrid(layers,2.0);
+if(tile.r > 6.0)
 {
-nearLayer = BokehFetchLayer(NearSamp,0.5 * center,halves);
+nearLayer=BokehFetchLayer(NearSamp,0.5*center,halves);
 }
-if (tile.g > 10.0)
+if(tile.g > 10.0)
 {
-farLayer = BokehFetchLayer(FarSamp,0.5 * center,halves);
+farLayer=BokehFetchLayer(FarSamp,0.5*center,halves);
 }
-vec4 sum = gather.sum + farLayer * (gather.farFound * (1.0 - max(farWeight,nearWeight)) /
+vec4 sum=gather.sum+farLayer*(gather.farFound*(1.0-max(farWeight,nearWeight)) /
 max(farLayer.a,0.001));
-vec4 plain = sum + farLayer * farWeight;
-if (plain.a >= 0.001)
+vec4 plain=sum+farLayer*farWeight;
+if(plain.a >= 0.001)
 {
-float rest = plain.a - gather.front.a;
-float open = max(1.0 - gather.front.a,0.0) / max(rest,0.1);
-result = (gather.front.rgb + (plain.rgb - gather.front.rgb) * open) / max(gather.front.a
-+ rest * open,0.001);
+float rest=plain.a-gather.front.a;
+float open=max(1.0-gather.front.a,0.0)/max(rest,0.1);
+result=(gather.front.rgb+(plain.rgb-gather.front.rgb)*open)/max(gather.front.a
++ rest*open,0.001);
 }
-if (nearWeight > 0.0)
+if(nearWeight > 0.0)
 {
-BokehGrid quarters = BokehReducedGrid(layers,4.0);
-vec4 midFill = BokehFetchGrid(MidFillSamp,0.25 * center,quarters);
-vec4 farFill = BokehFetchGrid(FarFillSamp,0.25 * center,quarters);
-float inNear = nearLayer.a * min(2.0 - 2.0 * nearWeight,1.0);
-float empty = max(1.0 - sum.a - inNear,0.0);
-float cover = empty * clamp((midFill.a - 0.3) / 0.4,0.0,1.0);
-float missing = max(1.0 - 2.0 * farLayer.a,0.0);
-vec3 background = farLayer.rgb * ((1.0 - missing) / max(farLayer.a,0.000001)) +
-farFill.rgb * missing;
-vec3 stack = (sum.rgb + midFill.rgb * cover + background * (empty - cover)) /
-max(sum.a + empty,0.000001);
-result += (stack - result) * nearWeight;
+BokehGrid quarters=BokehReducedGrid(layers,4.0);
+vec4 midFill=BokehFetchGrid(MidFillSamp,0.25*center,quarters);
+vec4 farFill=BokehFetchGrid(FarFillSamp,0.25*center,quarters);
+float inNear=nearLayer.a*min(2.0-2.0*nearWeight,1.0);
+float empty=max(1.0-sum.a-inNear,0.0);
+float cover=empty*clamp((midFill.a-0.3)/0.4,0.0,1.0);
+float missing=max(1.0-2.0*farLayer.a,0.0);
+vec3 background=farLayer.rgb*((1.0-missing)/max(farLayer.a,0.000001)) +
+farFill.rgb*missing;
+vec3 stack=(sum.rgb+midFill.rgb*cover+background*(empty-cover)) /
+max(sum.a+empty,0.000001);
+result+=(stack-result)*nearWeight;
 }
-float alpha = clamp(nearLayer.a * 1.002,0.0,1.0);
-result = result * (1.0 - alpha) + nearLayer.rgb * (alpha / max(nearLayer.a,0.000001));
+float alpha=clamp(nearLayer.a*1.002,0.0,1.0);
+result=result*(1.0-alpha)+nearLayer.rgb*(alpha/max(nearLayer.a,0.000001));
 }
 return vec4(result,centerPixel.a);
 }
@@ -1750,75 +1750,75 @@ return vec4(result,centerPixel.a);
 #define BOKEH_LENS 1
 BokehPolygon BokehUpdatePolygon(BokehPolygon polygon)
 {
-BokehPolygon closed = polygon;
-closed.mean = vec2(0.0,0.0);
-closed.area = 0.0;
-vec2 begin = vec2(0.0,0.0);
-for (int i = 1; i <= polygon.sides / 2; i++)
+BokehPolygon closed=polygon;
+closed.mean=vec2(0.0,0.0);
+closed.area=0.0;
+vec2 begin=vec2(0.0,0.0);
+for(int i=1;i <= polygon.sides/2;i++)
 {
-vec2 edge = BokehEdge(i,polygon);
-if (i < polygon.sides / 2)
+vec2 edge=BokehEdge(i,polygon);
+if(i < polygon.sides/2)
 {
-closed.mean += (begin + edge * 0.5) / (0.5 * float(polygon.sides) - 1.0);
+closed.mean+=(begin+edge*0.5)/(0.5*float(polygon.sides)-1.0);
 }
-closed.area += begin.x * edge.y - begin.y * edge.x;
-begin += edge;
+closed.area+=begin.x*edge.y-begin.y*edge.x;
+begin+=edge;
 }
-closed.corner = begin * -0.5;
-closed.mean += closed.corner;
+closed.corner=begin * -0.5;
+closed.mean+=closed.corner;
 return closed;
 }
 BokehPolygon BokehWithRoundness(BokehPolygon polygon,float roundness)
 {
-BokehPolygon result = polygon;
-if (polygon.sides == 8)
+BokehPolygon result=polygon;
+if(polygon.sides==8)
 {
-float corner = 0.39269908 * clamp(roundness,0.0,1.0);
-float odd = sin(max(corner,0.001));
-float even = sin(0.78539816 - corner);
-result.lengths = vec4(odd,even,odd,even);
-result = BokehUpdatePolygon(result);
+float corner=0.39269908*clamp(roundness,0.0,1.0);
+float odd=sin(max(corner,0.001));
+float even=sin(0.78539816-corner);
+result.lengths=vec4(odd,even,odd,even);
+result=BokehUpdatePolygon(result);
 }
 return result;
 }
 float BokehHalfWidth(int k,BokehPolygon polygon,vec2 along)
 {
-float width = 0.0;
-for (int i = 1; i <= polygon.sides / 2; i++)
+float width=0.0;
+for(int i=1;i <= polygon.sides/2;i++)
 {
-width += abs(BokehTurn(float(i - k),polygon).y) * BokehEdgeLength(i,polygon);
+width+=abs(BokehTurn(float(i-k),polygon).y)*BokehEdgeLength(i,polygon);
 }
-return 0.5 * width * (1.0 - abs(dot(along,BokehTurn(float(k),polygon))));
+return 0.5*width*(1.0-abs(dot(along,BokehTurn(float(k),polygon))));
 }
 float BokehCutLength(int k,BokehPolygon widths)
 {
-float halfWidth = BokehEdgeLength(k,widths);
-int edges = widths.sides / 2;
-vec2 ends = vec2(1.0,1.0);
-for (int i = 1; i < edges; i++)
+float halfWidth=BokehEdgeLength(k,widths);
+int edges=widths.sides/2;
+vec2 ends=vec2(1.0,1.0);
+for(int i=1;i < edges;i++)
 {
-vec2 turn = BokehTurn(float(i),widths);
-vec2 others = vec2(BokehEdgeLength(k - i + edges,widths),BokehEdgeLength(k + i,widths));
-ends = min(ends,(others - halfWidth * turn.x) / turn.y);
+vec2 turn=BokehTurn(float(i),widths);
+vec2 others=vec2(BokehEdgeLength(k-i+edges,widths),BokehEdgeLength(k+i,widths));
+ends=min(ends,(others-halfWidth*turn.x)/turn.y);
 }
-return max(ends.x + ends.y,0.001);
+return max(ends.x+ends.y,0.001);
 }
 BokehPolygon BokehWithCatsEye(BokehPolygon polygon,vec2 uv,vec2 imageSize,float amount)
 {
-vec2 place = (uv - 0.5) * 2.0 * imageSize / length(imageSize);
-vec2 along = BokehRotated(place,vec2(polygon.axis.x,-polygon.axis.y)) * clamp(amount,0.0,
+vec2 place=(uv-0.5)*2.0*imageSize/length(imageSize);
+vec2 along=BokehRotated(place,vec2(polygon.axis.x,-polygon.axis.y))*clamp(amount,0.0,
 0.9);
-BokehPolygon whole = polygon;
-whole.lengths *= clamp((polygon.lengths - 0.001) * 100000.0,vec4(0.0,0.0,0.0,0.0),vec4(1.0,
+BokehPolygon whole=polygon;
+whole.lengths*=clamp((polygon.lengths-0.001)*100000.0,vec4(0.0,0.0,0.0,0.0),vec4(1.0,
 1.0,1.0,1.0));
-BokehPolygon widths = polygon;
-widths.lengths = vec4(BokehHalfWidth(1,whole,along),BokehHalfWidth(2,whole,along),
+BokehPolygon widths=polygon;
+widths.lengths=vec4(BokehHalfWidth(1,whole,along),BokehHalfWidth(2,whole,along),
 BokehHalfWidth(3,whole,along),BokehHalfWidth(4,whole,along));
-widths.fifth = BokehHalfWidth(5,whole,along);
-BokehPolygon result = polygon;
-result.lengths = vec4(BokehCutLength(1,widths),BokehCutLength(2,widths),BokehCutLength(3,
+widths.fifth=BokehHalfWidth(5,whole,along);
+BokehPolygon result=polygon;
+result.lengths=vec4(BokehCutLength(1,widths),BokehCutLength(2,widths),BokehCutLength(3,
 widths),BokehCutLength(4,widths));
-result.fifth = BokehCutLength(5,widths);
+result.fifth=BokehCutLength(5,widths);
 return BokehUpdatePolygon(result);
 }
 struct BokehFocus
@@ -1829,106 +1829,106 @@ vec2 sideMaxCoC;
 };
 float BokehFocusedCoC(float depth,BokehLens lens,BokehFocus focus)
 {
-float middle = min(lens.focusDistance,BOKEH_MAX_DEPTH);
-BokehLens nearest = lens;
-nearest.focusDistance = clamp(depth,middle - focus.sharpRange.x,middle + focus.sharpRange.y);
-float CoC = BokehSignedCoC(depth,nearest);
-return clamp(min(CoC,0.0) * focus.sideScale.x + max(CoC,0.0) * focus.sideScale.y,
+float middle=min(lens.focusDistance,BOKEH_MAX_DEPTH);
+BokehLens nearest=lens;
+nearest.focusDistance=clamp(depth,middle-focus.sharpRange.x,middle+focus.sharpRange.y);
+float CoC=BokehSignedCoC(depth,nearest);
+return clamp(min(CoC,0.0)*focus.sideScale.x+max(CoC,0.0)*focus.sideScale.y,
 -focus.sideMaxCoC.x,focus.sideMaxCoC.y);
 }
 vec4 BokehStableMap(BOKEH_TEXTURE MapSamp,BOKEH_TEXTURE HistorySamp,BOKEH_TEXTURE VelocitySamp,
 vec2 uv,vec2 imageSize,float blend)
 {
-vec4 pixel = BokehFetchTexel(MapSamp,BokehToTexture(uv));
-float nearest = pixel.a;
-for (int y = 0; y < 3; y++)
+vec4 pixel=BokehFetchTexel(MapSamp,BokehToTexture(uv));
+float nearest=pixel.a;
+for(int y=0;y < 3;y++)
 {
-for (int x = 0; x < 3; x++)
+for(int x=0;x < 3;x++)
 {
-vec2 place = uv + (vec2(float(x),float(y)) - 1.0) / imageSize;
-nearest = min(nearest,BokehFetchTexel(MapSamp,BokehToTexture(place)).a);
+vec2 place=uv+(vec2(float(x),float(y))-1.0)/imageSize;
+nearest=min(nearest,BokehFetchTexel(MapSamp,BokehToTexture(place)).a);
 }
 }
-vec2 velocity = BokehFetchTexel(VelocitySamp,BokehToTexture(uv)).rg;
-vec2 before = uv - vec2(BokehSanitize(velocity.x,-2.0,2.0),BokehSanitize(velocity.y,-2.0,
+vec2 velocity=BokehFetchTexel(VelocitySamp,BokehToTexture(uv)).rg;
+vec2 before=uv-vec2(BokehSanitize(velocity.x,-2.0,2.0),BokehSanitize(velocity.y,-2.0,
 2.0));
-float history = BokehSanitize(BokehFetch(HistorySamp,before).a,nearest,pixel.a);
-if (max(abs(before.x - 0.5),abs(before.y - 0.5)) <= 0.5)
+float history=BokehSanitize(BokehFetch(HistorySamp,before).a,nearest,pixel.a);
+if(max(abs(before.x-0.5),abs(before.y-0.5)) <= 0.5)
 {
-pixel += vec4(0.0,0.0,0.0,(history - pixel.a) * clamp(1.0 - blend,0.0,1.0));
+pixel+=vec4(0.0,0.0,0.0,(history-pixel.a)*clamp(1.0-blend,0.0,1.0));
 }
 return pixel;
 }
 vec4 BokehLateralColor(BOKEH_TEXTURE PictureSamp,vec2 uv,float amount)
 {
-float larger = clamp(amount,-0.1,0.1);
-vec2 place = uv - 0.5;
-vec4 green = BokehFetch(PictureSamp,uv);
-float red = BokehFetch(PictureSamp,place / (1.0 + larger) + 0.5).r;
-float blue = BokehFetch(PictureSamp,place / (1.0 - larger) + 0.5).b;
+float larger=clamp(amount,-0.1,0.1);
+vec2 place=uv-0.5;
+vec4 green=BokehFetch(PictureSamp,uv);
+float red=BokehFetch(PictureSamp,place/(1.0+larger)+0.5).r;
+float blue=BokehFetch(PictureSamp,place/(1.0-larger)+0.5).b;
 return vec4(red,green.g,blue,green.a);
 }
 `,
   noise: `
 float BokehNoise(vec2 uv,vec2 imageSize,float frame,float passIndex)
 {
-float number = (8.0 * passIndex + 1.0) * (frame - 64.0 * floor(frame / 64.0)) + passIndex;
-float seed = dot(floor(uv * imageSize),vec2(0.06711056,0.00583715));
-float value = 52.9829189 * (seed - floor(seed)) + 0.515625 * number;
-return value - floor(value) - 0.5;
+float number=(8.0*passIndex+1.0)*(frame-64.0*floor(frame/64.0))+passIndex;
+float seed=dot(floor(uv*imageSize),vec2(0.06711056,0.00583715));
+float value=52.9829189*(seed-floor(seed))+0.515625*number;
+return value-floor(value)-0.5;
 }
 `,
 };
 
 export const WGSL = {
   bokeh: `
-override BOKEH_NUM_SAMPLES:i32 = 9;
-override BOKEH_SPACING:f32 = 1.5;
-override BOKEH_VIEWPORT:i32 = 0;
-override BOKEH_SIDES:i32 = 0;
-const BOKEH_MAX_COLOR:f32 = 65504.0;
-const BOKEH_MIN_DEPTH:f32 = 0.000001;
-const BOKEH_MAX_DEPTH:f32 = 1000000000.0;
+override BOKEH_NUM_SAMPLES: i32 = 9;
+override BOKEH_SPACING: f32 = 1.5;
+override BOKEH_VIEWPORT: i32 = 0;
+override BOKEH_SIDES: i32 = 0;
+const BOKEH_MAX_COLOR:f32=65504.0;
+const BOKEH_MIN_DEPTH:f32=0.000001;
+const BOKEH_MAX_DEPTH:f32=1000000000.0;
 alias BokehDepthTexture = texture_2d<f32>;
-fn BokehFetchTexture(tex:texture_2d<f32>,coords:vec2f,BokehLinearClamp:sampler) -> vec4f
+fn BokehFetchTexture(tex:texture_2d<f32>,coords:vec2f,BokehLinearClamp:sampler)->vec4f
 {
 return textureSampleLevel(tex,BokehLinearClamp,coords,0.0);
 }
-fn BokehFetchTexel(tex:texture_2d<f32>,coords:vec2f) -> vec4f
+fn BokehFetchTexel(tex:texture_2d<f32>,coords:vec2f)->vec4f
 {
-let size:vec2i = vec2i(textureDimensions(tex));
-let texel:vec2i = vec2i(saturate(coords) * vec2f(size));
-return textureLoad(tex,min(texel,size - vec2i(1,1)),0);
+let size:vec2i=vec2i(textureDimensions(tex));
+let texel:vec2i=vec2i(saturate(coords)*vec2f(size));
+return textureLoad(tex,min(texel,size-vec2i(1,1)),0);
 }
-fn BokehFetchDepth(tex:BokehDepthTexture,coords:vec2f) -> f32
+fn BokehFetchDepth(tex:BokehDepthTexture,coords:vec2f)->f32
 {
-let size:vec2i = vec2i(textureDimensions(tex));
-let texel:vec2i = vec2i(saturate(coords) * vec2f(size));
-return vec4f(textureLoad(tex,min(texel,size - vec2i(1,1)),0)).r;
+let size:vec2i=vec2i(textureDimensions(tex));
+let texel:vec2i=vec2i(saturate(coords)*vec2f(size));
+return vec4f(textureLoad(tex,min(texel,size-vec2i(1,1)),0)).r;
 }
-var<private> BokehViewport:vec4f = vec4f(0.0,0.0,1.0,1.0);
-var<private> BokehViewportBounds:vec4f = vec4f(0.0,0.0,1.0,1.0);
+var<private> BokehViewport:vec4f=vec4f(0.0,0.0,1.0,1.0);
+var<private> BokehViewportBounds:vec4f=vec4f(0.0,0.0,1.0,1.0);
 fn BokehSetViewport(viewport:vec4f,textureSize:vec2f)
 {
-if (BOKEH_VIEWPORT > 0)
+if(BOKEH_VIEWPORT > 0)
 {
-let inset:vec2f = min(vec2f(0.5078125,0.5078125),viewport.zw * 0.5);
-BokehViewport = viewport / textureSize.xyxy;
-BokehViewportBounds = vec4f(viewport.xy + inset,viewport.xy + viewport.zw - inset) /
+let inset:vec2f=min(vec2f(0.5078125,0.5078125),viewport.zw*0.5);
+BokehViewport=viewport/textureSize.xyxy;
+BokehViewportBounds=vec4f(viewport.xy+inset,viewport.xy+viewport.zw-inset) /
 textureSize.xyxy;
 }
 }
-fn BokehToTexture(uv:vec2f) -> vec2f
+fn BokehToTexture(uv:vec2f)->vec2f
 {
-var coords:vec2f = uv;
-if (BOKEH_VIEWPORT > 0)
+var coords:vec2f=uv;
+if(BOKEH_VIEWPORT > 0)
 {
-coords = clamp(BokehViewport.xy + uv * BokehViewport.zw,BokehViewportBounds.xy,
+coords=clamp(BokehViewport.xy+uv*BokehViewport.zw,BokehViewportBounds.xy,
 BokehViewportBounds.zw);
 }
 return coords;
 }
-fn BokehFetch(tex:texture_2d<f32>,uv:vec2f,BokehLinearClamp:sampler) -> vec4f
+fn BokehFetch(tex:texture_2d<f32>,uv:vec2f,BokehLinearClamp:sampler)->vec4f
 {
 return BokehFetchTexture(tex,BokehToTexture(uv),BokehLinearClamp);
 }
@@ -1940,150 +1940,150 @@ focusDistance:f32,
 sensorHeight:f32,
 maxCoC:f32,
 }
-fn BokehMakeLens(apertureDiameter:f32,focalLength:f32,focusDistance:f32) -> BokehLens
+fn BokehMakeLens(apertureDiameter:f32,focalLength:f32,focusDistance:f32)->BokehLens
 {
 var lens:BokehLens;
-lens.apertureDiameter = apertureDiameter;
-lens.focalLength = focalLength;
-lens.focusDistance = focusDistance;
-lens.sensorHeight = 0.024;
-lens.maxCoC = 0.1;
+lens.apertureDiameter=apertureDiameter;
+lens.focalLength=focalLength;
+lens.focusDistance=focusDistance;
+lens.sensorHeight=0.024;
+lens.maxCoC=0.1;
 return lens;
 }
-fn BokehSignedCoC(depth:f32,lens:BokehLens) -> f32
+fn BokehSignedCoC(depth:f32,lens:BokehLens)->f32
 {
-let focus:f32 = min(lens.focusDistance,BOKEH_MAX_DEPTH);
-let magnification:f32 = lens.focalLength / max(focus - lens.focalLength,BOKEH_MIN_DEPTH);
-let c:f32 = lens.apertureDiameter * magnification * (abs(depth - focus) / depth);
-var CoC:f32 = clamp(c / max(lens.sensorHeight,BOKEH_MIN_DEPTH),0.0,lens.maxCoC);
-if (depth < focus)
+let focus:f32=min(lens.focusDistance,BOKEH_MAX_DEPTH);
+let magnification:f32=lens.focalLength/max(focus-lens.focalLength,BOKEH_MIN_DEPTH);
+let c:f32=lens.apertureDiameter*magnification*(abs(depth-focus)/depth);
+var CoC:f32=clamp(c/max(lens.sensorHeight,BOKEH_MIN_DEPTH),0.0,lens.maxCoC);
+if(depth < focus)
 {
 CoC = -CoC;
 }
 return CoC;
 }
-fn BokehSanitize(value:f32,minimum:f32,maximum:f32) -> f32
+fn BokehSanitize(value:f32,minimum:f32,maximum:f32)->f32
 {
-var safe:f32 = minimum;
-if (value >= minimum)
+var safe:f32=minimum;
+if(value >= minimum)
 {
-safe = min(value,maximum);
+safe=min(value,maximum);
 }
 return safe;
 }
-fn BokehLinearDepth(stored:f32,kind:i32,nearPlane:f32,farPlane:f32) -> f32
+fn BokehLinearDepth(stored:f32,kind:i32,nearPlane:f32,farPlane:f32)->f32
 {
-var depth:f32 = stored;
-if (kind == 1)
+var depth:f32=stored;
+if(kind==1)
 {
-depth = nearPlane * farPlane / (farPlane - stored * (farPlane - nearPlane));
+depth=nearPlane*farPlane/(farPlane-stored*(farPlane-nearPlane));
 }
-else if (kind == 2)
+else if(kind==2)
 {
-depth = nearPlane * farPlane / (nearPlane + stored * (farPlane - nearPlane));
+depth=nearPlane*farPlane/(nearPlane+stored*(farPlane-nearPlane));
 }
-else if (kind == 3)
+else if(kind==3)
 {
-depth = BOKEH_MAX_DEPTH;
-if (stored >= nearPlane / BOKEH_MAX_DEPTH)
+depth=BOKEH_MAX_DEPTH;
+if(stored >= nearPlane/BOKEH_MAX_DEPTH)
 {
-depth = nearPlane / stored;
+depth=nearPlane/stored;
 }
 }
-else if (kind == 4)
+else if(kind==4)
 {
-depth = 2.0 * nearPlane * farPlane / (farPlane + nearPlane - stored * (farPlane -
+depth=2.0*nearPlane*farPlane/(farPlane+nearPlane-stored*(farPlane -
 nearPlane));
 }
-else if (kind == 5)
+else if(kind==5)
 {
-depth = nearPlane + stored * (farPlane - nearPlane);
+depth=nearPlane+stored*(farPlane-nearPlane);
 }
-else if (kind == 6)
+else if(kind==6)
 {
-depth = nearPlane + (1.0 - stored) * (farPlane - nearPlane);
+depth=nearPlane+(1.0-stored)*(farPlane-nearPlane);
 }
-else if (kind == 7)
+else if(kind==7)
 {
-depth = stored * farPlane;
+depth=stored*farPlane;
 }
-else if (kind == 8)
+else if(kind==8)
 {
-depth = 0.0;
-if (stored >= 0.0)
+depth=0.0;
+if(stored >= 0.0)
 {
-depth = exp2(stored * log2(farPlane + 1.0)) - 1.0;
+depth=exp2(stored*log2(farPlane+1.0))-1.0;
 }
 }
 return BokehSanitize(depth,BOKEH_MIN_DEPTH,BOKEH_MAX_DEPTH);
 }
-fn BokehPackCoC(color:vec4f,CoC:f32) -> vec4f
+fn BokehPackCoC(color:vec4f,CoC:f32)->vec4f
 {
 return vec4f(BokehSanitize(color.r,0.0,BOKEH_MAX_COLOR),BokehSanitize(color.g,0.0,
 BOKEH_MAX_COLOR),BokehSanitize(color.b,0.0,BOKEH_MAX_COLOR),CoC);
 }
-fn BokehBrightness(color:vec4f) -> f32
+fn BokehBrightness(color:vec4f)->f32
 {
-let safe:vec4f = BokehPackCoC(color,0.0);
-return safe.r + safe.g + safe.b;
+let safe:vec4f=BokehPackCoC(color,0.0);
+return safe.r+safe.g+safe.b;
 }
-fn BokehBrighter(brightest:vec3f,color:vec4f,direction:vec2f) -> vec3f
+fn BokehBrighter(brightest:vec3f,color:vec4f,direction:vec2f)->vec3f
 {
-var result:vec3f = brightest;
-let brightness:f32 = BokehBrightness(color);
-if (brightness > brightest.z)
+var result:vec3f=brightest;
+let brightness:f32=BokehBrightness(color);
+if(brightness > brightest.z)
 {
-result = vec3f(direction,brightness);
+result=vec3f(direction,brightness);
 }
 return result;
 }
-fn BokehLightBeside(color:vec4f,right:vec4f,left:vec4f,below:vec4f,above:vec4f) -> vec3f
+fn BokehLightBeside(color:vec4f,right:vec4f,left:vec4f,below:vec4f,above:vec4f)->vec3f
 {
-let brightness:f32 = max(BokehBrightness(color),0.0000001);
-let darkest:f32 = min(min(BokehBrightness(right),BokehBrightness(left)),
+let brightness:f32=max(BokehBrightness(color),0.0000001);
+let darkest:f32=min(min(BokehBrightness(right),BokehBrightness(left)),
 min(BokehBrightness(below),BokehBrightness(above)));
-var brightest:vec3f = vec3f(0.0,0.0,brightness);
-brightest = BokehBrighter(brightest,right,vec2f(1.0,0.0));
-brightest = BokehBrighter(brightest,left,vec2f(-1.0,0.0));
-brightest = BokehBrighter(brightest,below,vec2f(0.0,1.0));
-brightest = BokehBrighter(brightest,above,vec2f(0.0,-1.0));
-let ratio:f32 = brightest.z / brightness;
-let dark:f32 = clamp(0.25 * ratio - 1.0,0.0,1.0);
-let rim:f32 = clamp(5.0 * brightness / max(darkest,0.0000001) - 6.5,0.0,1.0) *
-clamp(10.0 * ratio - 10.0,0.0,1.0);
+var brightest:vec3f=vec3f(0.0,0.0,brightness);
+brightest=BokehBrighter(brightest,right,vec2f(1.0,0.0));
+brightest=BokehBrighter(brightest,left,vec2f(-1.0,0.0));
+brightest=BokehBrighter(brightest,below,vec2f(0.0,1.0));
+brightest=BokehBrighter(brightest,above,vec2f(0.0,-1.0));
+let ratio:f32=brightest.z/brightness;
+let dark:f32=clamp(0.25*ratio-1.0,0.0,1.0);
+let rim:f32=clamp(5.0*brightness/max(darkest,0.0000001)-6.5,0.0,1.0) *
+clamp(10.0*ratio-10.0,0.0,1.0);
 return vec3f(brightest.xy,max(dark,rim));
 }
-fn BokehBrightNeighbor(ColorSamp:texture_2d<f32>,uv:vec2f,imageSize:vec2f) -> vec3f
+fn BokehBrightNeighbor(ColorSamp:texture_2d<f32>,uv:vec2f,imageSize:vec2f)->vec3f
 {
-let pixel:vec2f = 1.0 / max(imageSize,vec2f(1.0,1.0));
-let right:vec2f = vec2f(pixel.x,0.0);
-let below:vec2f = vec2f(0.0,pixel.y);
-let brightest:vec3f = BokehLightBeside(BokehFetchTexel(ColorSamp,BokehToTexture(uv)),
-BokehFetchTexel(ColorSamp,BokehToTexture(uv + right)),
-BokehFetchTexel(ColorSamp,BokehToTexture(uv - right)),
-BokehFetchTexel(ColorSamp,BokehToTexture(uv + below)),
-BokehFetchTexel(ColorSamp,BokehToTexture(uv - below)));
-return vec3f(brightest.xy * pixel,brightest.z);
+let pixel:vec2f=1.0/max(imageSize,vec2f(1.0,1.0));
+let right:vec2f=vec2f(pixel.x,0.0);
+let below:vec2f=vec2f(0.0,pixel.y);
+let brightest:vec3f=BokehLightBeside(BokehFetchTexel(ColorSamp,BokehToTexture(uv)),
+BokehFetchTexel(ColorSamp,BokehToTexture(uv+right)),
+BokehFetchTexel(ColorSamp,BokehToTexture(uv-right)),
+BokehFetchTexel(ColorSamp,BokehToTexture(uv+below)),
+BokehFetchTexel(ColorSamp,BokehToTexture(uv-below)));
+return vec3f(brightest.xy*pixel,brightest.z);
 }
-fn BokehLightCoC(CoC:f32,lightCoC:f32,weight:f32,imageHeight:f32) -> f32
+fn BokehLightCoC(CoC:f32,lightCoC:f32,weight:f32,imageHeight:f32)->f32
 {
-let sharper:f32 = min(abs(CoC),abs(lightCoC));
-let blurred:f32 = clamp(sharper * imageHeight - 1.0,0.0,1.0);
-return CoC + (min(lightCoC,CoC) - CoC) * (weight * blurred);
+let sharper:f32=min(abs(CoC),abs(lightCoC));
+let blurred:f32=clamp(sharper*imageHeight-1.0,0.0,1.0);
+return CoC+(min(lightCoC,CoC)-CoC)*(weight*blurred);
 }
 fn BokehSignedCoCMap(ColorSamp:texture_2d<f32>,DepthSamp:BokehDepthTexture,uv:vec2f,
-depthUV:vec2f,imageSize:vec2f,lens:BokehLens,kind:i32,planes:vec2f) -> vec4f
+depthUV:vec2f,imageSize:vec2f,lens:BokehLens,kind:i32,planes:vec2f)->vec4f
 {
-var depth:f32 = BokehLinearDepth(BokehFetchDepth(DepthSamp,depthUV),kind,planes.x,
+var depth:f32=BokehLinearDepth(BokehFetchDepth(DepthSamp,depthUV),kind,planes.x,
 planes.y);
-var CoC:f32 = BokehSignedCoC(depth,lens);
-let neighbor:vec3f = BokehBrightNeighbor(ColorSamp,uv,imageSize);
-if (neighbor.z > 0.0)
+var CoC:f32=BokehSignedCoC(depth,lens);
+let neighbor:vec3f=BokehBrightNeighbor(ColorSamp,uv,imageSize);
+if(neighbor.z > 0.0)
 {
-let offset:vec2f = BokehToTexture(uv + neighbor.xy) - BokehToTexture(uv);
-depth = BokehLinearDepth(BokehFetchDepth(DepthSamp,depthUV + offset),kind,planes.x,
+let offset:vec2f=BokehToTexture(uv+neighbor.xy)-BokehToTexture(uv);
+depth=BokehLinearDepth(BokehFetchDepth(DepthSamp,depthUV+offset),kind,planes.x,
 planes.y);
-CoC = BokehLightCoC(CoC,BokehSignedCoC(depth,lens),neighbor.z,imageSize.y);
+CoC=BokehLightCoC(CoC,BokehSignedCoC(depth,lens),neighbor.z,imageSize.y);
 }
 return BokehPackCoC(BokehFetchTexel(ColorSamp,BokehToTexture(uv)),CoC);
 }
@@ -2096,48 +2096,48 @@ jitter:f32,
 bleedingBias:f32,
 bleedingMult:f32,
 }
-fn BokehDefaultSampling(imageSize:vec2f) -> BokehSamplingSettings
+fn BokehDefaultSampling(imageSize:vec2f)->BokehSamplingSettings
 {
 var settings:BokehSamplingSettings;
-settings.aspectRatio = imageSize.x / imageSize.y;
-settings.imageHeight = imageSize.y;
-settings.spacing = BOKEH_SPACING;
-settings.jitter = 0.0;
-settings.bleedingBias = 0.02;
-settings.bleedingMult = 30.0;
+settings.aspectRatio=imageSize.x/imageSize.y;
+settings.imageHeight=imageSize.y;
+settings.spacing=BOKEH_SPACING;
+settings.jitter=0.0;
+settings.bleedingBias=0.02;
+settings.bleedingMult=30.0;
 return settings;
 }
-fn BokehFilterCoC(CoC:f32,imageHeight:f32) -> f32
+fn BokehFilterCoC(CoC:f32,imageHeight:f32)->f32
 {
-var filterCoC:f32 = CoC;
-if (BOKEH_SPACING > 0.0)
+var filterCoC:f32=CoC;
+if(BOKEH_SPACING > 0.0)
 {
-filterCoC = CoC * clamp((CoC * imageHeight - 0.5) * 2.0,0.0,1.0);
+filterCoC=CoC*clamp((CoC*imageHeight-0.5)*2.0,0.0,1.0);
 }
 return filterCoC;
 }
-fn BokehSampleCount(lengthInPixels:f32,spacing:f32) -> f32
+fn BokehSampleCount(lengthInPixels:f32,spacing:f32)->f32
 {
-var samples:f32 = f32(BOKEH_NUM_SAMPLES);
-if (BOKEH_SPACING > 0.0)
+var samples:f32=f32(BOKEH_NUM_SAMPLES);
+if(BOKEH_SPACING > 0.0)
 {
-samples = clamp(lengthInPixels / spacing,1.0,f32(BOKEH_NUM_SAMPLES));
+samples=clamp(lengthInPixels/spacing,1.0,f32(BOKEH_NUM_SAMPLES));
 }
 return samples;
 }
-fn BokehSignedLeakageWeight(sampleCoC:f32,centerCoC:f32,settings:BokehSamplingSettings) -> f32
+fn BokehSignedLeakageWeight(sampleCoC:f32,centerCoC:f32,settings:BokehSamplingSettings)->f32
 {
-let scale:f32 = 1.0 / max(settings.bleedingBias,0.001);
-let rejected:f32 = clamp((centerCoC * scale - 0.5) - abs(sampleCoC) * scale,0.0,1.0);
-let weight:f32 = clamp(abs(sampleCoC) * settings.bleedingMult,0.0,1.0);
-return 1.0 - rejected * (1.0 - weight * weight);
+let scale:f32=1.0/max(settings.bleedingBias,0.001);
+let rejected:f32=clamp((centerCoC*scale-0.5)-abs(sampleCoC)*scale,0.0,1.0);
+let weight:f32=clamp(abs(sampleCoC)*settings.bleedingMult,0.0,1.0);
+return 1.0-rejected*(1.0-weight*weight);
 }
-fn BokehResolved(sum:vec4f,centerPixel:vec4f) -> vec4f
+fn BokehResolved(sum:vec4f,centerPixel:vec4f)->vec4f
 {
-var result:vec4f = centerPixel;
-if (sum.a > 0.0)
+var result:vec4f=centerPixel;
+if(sum.a > 0.0)
 {
-result = vec4f(sum.rgb / sum.a,centerPixel.a);
+result=vec4f(sum.rgb/sum.a,centerPixel.a);
 }
 return result;
 }
@@ -2159,121 +2159,121 @@ strip3:vec4f,
 strip4:vec4f,
 strip5:vec4f,
 }
-fn BokehMakePolygon(sides:i32,rotation:f32,squeeze:f32) -> BokehPolygon
+fn BokehMakePolygon(sides:i32,rotation:f32,squeeze:f32)->BokehPolygon
 {
-let halfStep:f32 = 3.14159265 / f32(sides);
-let edge:f32 = sin(halfStep);
+let halfStep:f32=3.14159265/f32(sides);
+let edge:f32=sin(halfStep);
 var polygon:BokehPolygon;
-polygon.sides = sides;
-polygon.axis = vec2f(cos(rotation),sin(rotation));
-polygon.squeeze = squeeze;
-polygon.lengths = vec4f(edge,edge,edge,edge);
-polygon.fifth = edge;
-polygon.corner = vec2f(0.5 * cos(halfStep),0.5 * edge);
-polygon.mean = vec2f(0.0,0.5 * cos(halfStep) * cos(halfStep) / (edge * (0.5 * f32(sides) -
+polygon.sides=sides;
+polygon.axis=vec2f(cos(rotation),sin(rotation));
+polygon.squeeze=squeeze;
+polygon.lengths=vec4f(edge,edge,edge,edge);
+polygon.fifth=edge;
+polygon.corner=vec2f(0.5*cos(halfStep),0.5*edge);
+polygon.mean=vec2f(0.0,0.5*cos(halfStep)*cos(halfStep)/(edge*(0.5*f32(sides) -
 1.0)));
-polygon.area = 0.25 * f32(sides) * edge * cos(halfStep);
+polygon.area=0.25*f32(sides)*edge*cos(halfStep);
 return polygon;
 }
-fn BokehRotated(direction:vec2f,axis:vec2f) -> vec2f
+fn BokehRotated(direction:vec2f,axis:vec2f)->vec2f
 {
-return vec2f(direction.x * axis.x - direction.y * axis.y,direction.x * axis.y + direction.y *
+return vec2f(direction.x*axis.x-direction.y*axis.y,direction.x*axis.y+direction.y *
 axis.x);
 }
-fn BokehTurn(k:f32,polygon:BokehPolygon) -> vec2f
+fn BokehTurn(k:f32,polygon:BokehPolygon)->vec2f
 {
-let angle:f32 = 6.28318531 / f32(polygon.sides) * k;
+let angle:f32=6.28318531/f32(polygon.sides)*k;
 return vec2f(cos(angle),sin(angle));
 }
-fn BokehEdgeLength(k:i32,polygon:BokehPolygon) -> f32
+fn BokehEdgeLength(k:i32,polygon:BokehPolygon)->f32
 {
-var edge:i32 = k;
-if (k > polygon.sides / 2)
+var edge:i32=k;
+if(k > polygon.sides/2)
 {
-edge = k - polygon.sides / 2;
+edge=k-polygon.sides/2;
 }
-var edgeLength:f32 = polygon.lengths.x;
-if (edge == 2)
+var edgeLength:f32=polygon.lengths.x;
+if(edge==2)
 {
-edgeLength = polygon.lengths.y;
+edgeLength=polygon.lengths.y;
 }
-else if (edge == 3)
+else if(edge==3)
 {
-edgeLength = polygon.lengths.z;
+edgeLength=polygon.lengths.z;
 }
-else if (edge == 4)
+else if(edge==4)
 {
-edgeLength = polygon.lengths.w;
+edgeLength=polygon.lengths.w;
 }
-else if (edge == 5)
+else if(edge==5)
 {
-edgeLength = polygon.fifth;
+edgeLength=polygon.fifth;
 }
 return edgeLength;
 }
-fn BokehEdge(k:i32,polygon:BokehPolygon) -> vec2f
+fn BokehEdge(k:i32,polygon:BokehPolygon)->vec2f
 {
-let outwards:vec2f = BokehTurn(f32(k),polygon);
-return vec2f(-outwards.y,outwards.x) * BokehEdgeLength(k,polygon);
+let outwards:vec2f=BokehTurn(f32(k),polygon);
+return vec2f(-outwards.y,outwards.x)*BokehEdgeLength(k,polygon);
 }
-fn BokehEdgeLine(k:i32,polygon:BokehPolygon,secondPass:bool) -> vec4f
+fn BokehEdgeLine(k:i32,polygon:BokehPolygon,secondPass:bool)->vec4f
 {
-let halfEdge:vec2f = BokehEdge(k,polygon) * 0.5;
-var middle:vec2f = polygon.corner - polygon.mean + halfEdge;
-let before:vec4f = clamp(f32(k) - vec4f(1.0,2.0,3.0,4.0),vec4f(0.0,0.0,0.0,0.0),
+let halfEdge:vec2f=BokehEdge(k,polygon)*0.5;
+var middle:vec2f=polygon.corner-polygon.mean+halfEdge;
+let before:vec4f=clamp(f32(k)-vec4f(1.0,2.0,3.0,4.0),vec4f(0.0,0.0,0.0,0.0),
 vec4f(1.0,1.0,1.0,1.0));
-middle += BokehEdge(1,polygon) * before.x + BokehEdge(2,polygon) * before.y + BokehEdge(3,
-polygon) * before.z + BokehEdge(4,polygon) * before.w;
-if (secondPass)
+middle+=BokehEdge(1,polygon)*before.x+BokehEdge(2,polygon)*before.y+BokehEdge(3,
+polygon)*before.z+BokehEdge(4,polygon)*before.w;
+if(secondPass)
 {
-middle = -middle - polygon.corner;
+middle = -middle-polygon.corner;
 }
-let segment:vec4f = vec4f(BokehRotated(middle,polygon.axis),BokehRotated(halfEdge,
+let segment:vec4f=vec4f(BokehRotated(middle,polygon.axis),BokehRotated(halfEdge,
 polygon.axis));
-return segment * vec4f(polygon.squeeze,1.0,polygon.squeeze,1.0);
+return segment*vec4f(polygon.squeeze,1.0,polygon.squeeze,1.0);
 }
-fn BokehEdgeWeights(k:i32,polygon:BokehPolygon) -> vec4f
+fn BokehEdgeWeights(k:i32,polygon:BokehPolygon)->vec4f
 {
-let angle:f32 = 6.28318531 / f32(polygon.sides);
-let steps:vec4f = max(vec4f(f32(k) - 1.0,f32(k) - 2.0,f32(k) - 3.0,f32(k) - 4.0),vec4f(0.0,
+let angle:f32=6.28318531/f32(polygon.sides);
+let steps:vec4f=max(vec4f(f32(k)-1.0,f32(k)-2.0,f32(k)-3.0,f32(k)-4.0),vec4f(0.0,
 0.0,0.0,0.0));
-return max(sin(steps * angle),vec4f(0.0,0.0,0.0,0.0)) * polygon.lengths;
+return max(sin(steps*angle),vec4f(0.0,0.0,0.0,0.0))*polygon.lengths;
 }
-fn BokehEdgeArea(k:i32,polygon:BokehPolygon) -> f32
+fn BokehEdgeArea(k:i32,polygon:BokehPolygon)->f32
 {
-return dot(BokehEdgeWeights(k,polygon),vec4f(1.0,1.0,1.0,1.0)) * BokehEdgeLength(k,
+return dot(BokehEdgeWeights(k,polygon),vec4f(1.0,1.0,1.0,1.0))*BokehEdgeLength(k,
 polygon);
 }
-fn BokehRay(k:i32,polygon:BokehPolygon,secondPass:bool) -> vec4f
+fn BokehRay(k:i32,polygon:BokehPolygon,secondPass:bool)->vec4f
 {
-var halfEdge:vec2f = BokehEdge(k,polygon) * -0.5;
-if (k == 2)
+var halfEdge:vec2f=BokehEdge(k,polygon) * -0.5;
+if(k==2)
 {
 halfEdge = -halfEdge;
 }
-var middle:vec2f = halfEdge;
-if (secondPass)
+var middle:vec2f=halfEdge;
+if(secondPass)
 {
-middle -= polygon.corner + BokehEdge(2,polygon);
+middle-=polygon.corner+BokehEdge(2,polygon);
 }
-let segment:vec4f = vec4f(BokehRotated(middle,polygon.axis),BokehRotated(halfEdge,
+let segment:vec4f=vec4f(BokehRotated(middle,polygon.axis),BokehRotated(halfEdge,
 polygon.axis));
-return segment * vec4f(polygon.squeeze,1.0,polygon.squeeze,1.0);
+return segment*vec4f(polygon.squeeze,1.0,polygon.squeeze,1.0);
 }
-fn BokehRayWeight(sampleCoC:f32,centerCoC:f32,samples:f32,i:i32) -> vec3f
+fn BokehRayWeight(sampleCoC:f32,centerCoC:f32,samples:f32,i:i32)->vec3f
 {
-let side:f32 = sampleCoC / centerCoC;
-let ratio:f32 = min(abs(side),1.0);
-var reached:f32 = clamp(ratio * samples - f32(i),0.0,1.0);
-var density:f32 = 1.0 / max(ratio,0.25);
-if (centerCoC < 0.0)
+let side:f32=sampleCoC/centerCoC;
+let ratio:f32=min(abs(side),1.0);
+var reached:f32=clamp(ratio*samples-f32(i),0.0,1.0);
+var density:f32=1.0/max(ratio,0.25);
+if(centerCoC < 0.0)
 {
-let sharp:f32 = clamp(0.5 + 4.0 * side,0.5,1.0);
-reached = clamp(samples - f32(i),0.0,1.0) * max(ratio,sharp);
-density = 1.0;
+let sharp:f32=clamp(0.5+4.0*side,0.5,1.0);
+reached=clamp(samples-f32(i),0.0,1.0)*max(ratio,sharp);
+density=1.0;
 }
-let weight:f32 = reached * density;
-return vec3f(weight,reached,weight * clamp(4.0 * side - 3.0,0.0,1.0));
+let weight:f32=reached*density;
+return vec3f(weight,reached,weight*clamp(4.0*side-3.0,0.0,1.0));
 }
 struct BokehLine
 {
@@ -2282,364 +2282,364 @@ reached:f32,
 }
 fn BokehLineSum(tex:texture_2d<f32>,uv:vec2f,k:i32,polygon:BokehPolygon,secondPass:bool,
 rays:bool,centerCoC:f32,settings:BokehSamplingSettings,
-BokehLinearClamp:sampler) -> BokehLine
+BokehLinearClamp:sampler)->BokehLine
 {
-var sum:vec4f = vec4f(0.0,0.0,0.0,0.0);
-var reached:f32 = 0.0;
-let CoC:f32 = BokehFilterCoC(abs(centerCoC),settings.imageHeight);
-if (CoC > 0.0)
+var sum:vec4f=vec4f(0.0,0.0,0.0,0.0);
+var reached:f32=0.0;
+let CoC:f32=BokehFilterCoC(abs(centerCoC),settings.imageHeight);
+if(CoC > 0.0)
 {
-var segment:vec4f = BokehEdgeLine(k,polygon,secondPass);
-if (rays)
+var segment:vec4f=BokehEdgeLine(k,polygon,secondPass);
+if(rays)
 {
-segment = BokehRay(k,polygon,secondPass);
+segment=BokehRay(k,polygon,secondPass);
 }
-let lengthInPixels:f32 = 2.0 * length(segment.zw) * CoC * settings.imageHeight;
-let samples:f32 = BokehSampleCount(lengthInPixels,settings.spacing);
-let phase:f32 = 0.5 + settings.jitter * clamp(lengthInPixels / samples - 1.0,0.0,1.0);
-let scale:vec2f = vec2f(CoC / settings.aspectRatio,CoC);
-let first:vec2f = uv + (segment.xy - segment.zw) * scale;
-let sampleStep:vec2f = segment.zw * scale * (2.0 / samples);
-var surface:vec4f = vec4f(0.0,0.0,0.0,0.0);
-for (var i:i32 = 0; i < BOKEH_NUM_SAMPLES; i++)
+let lengthInPixels:f32=2.0*length(segment.zw)*CoC*settings.imageHeight;
+let samples:f32=BokehSampleCount(lengthInPixels,settings.spacing);
+let phase:f32=0.5+settings.jitter*clamp(lengthInPixels/samples-1.0,0.0,1.0);
+let scale:vec2f=vec2f(CoC/settings.aspectRatio,CoC);
+let first:vec2f=uv+(segment.xy-segment.zw)*scale;
+let sampleStep:vec2f=segment.zw*scale*(2.0/samples);
+var surface:vec4f=vec4f(0.0,0.0,0.0,0.0);
+for(var i:i32=0;i < BOKEH_NUM_SAMPLES;i++)
 {
-if (BOKEH_SPACING > 0.0 && f32(i) >= samples)
+if(BOKEH_SPACING > 0.0&&f32(i) >= samples)
 {
 break;
 }
-let part:f32 = clamp(samples - f32(i),0.0,1.0);
-let samplePixel:vec4f = BokehFetch(tex,first + sampleStep * (f32(i) + part * phase),
+let part:f32=clamp(samples-f32(i),0.0,1.0);
+let samplePixel:vec4f=BokehFetch(tex,first+sampleStep*(f32(i)+part*phase),
 BokehLinearClamp);
-if (rays)
+if(rays)
 {
-let weights:vec3f = BokehRayWeight(samplePixel.a,centerCoC,samples,i);
-sum += vec4f(samplePixel.rgb,1.0) * weights.x;
-reached += (samplePixel.r + samplePixel.g + samplePixel.b) * weights.y;
-surface += vec4f(samplePixel.rgb,1.0) * weights.z;
+let weights:vec3f=BokehRayWeight(samplePixel.a,centerCoC,samples,i);
+sum+=vec4f(samplePixel.rgb,1.0)*weights.x;
+reached+=(samplePixel.r+samplePixel.g+samplePixel.b)*weights.y;
+surface+=vec4f(samplePixel.rgb,1.0)*weights.z;
 }
 else
 {
-let weight:f32 = part * BokehSignedLeakageWeight(samplePixel.a,centerCoC,
+let weight:f32=part*BokehSignedLeakageWeight(samplePixel.a,centerCoC,
 settings);
-sum += vec4f(samplePixel.rgb,1.0) * weight;
+sum+=vec4f(samplePixel.rgb,1.0)*weight;
 }
 }
-if (rays)
+if(rays)
 {
-let covered:f32 = clamp((sum.a - samples) / max(surface.a,0.0001),0.0,1.0);
-sum -= surface * covered;
-reached -= (surface.r + surface.g + surface.b) * covered;
+let covered:f32=clamp((sum.a-samples)/max(surface.a,0.0001),0.0,1.0);
+sum-=surface*covered;
+reached-=(surface.r+surface.g+surface.b)*covered;
 }
-sum = sum / samples;
-reached = reached / samples;
-if (secondPass)
+sum=sum/samples;
+reached=reached/samples;
+if(secondPass)
 {
-sum *= BokehEdgeArea(k,polygon);
+sum*=BokehEdgeArea(k,polygon);
 }
 }
 var result:BokehLine;
-result.sum = sum;
-result.reached = reached;
+result.sum=sum;
+result.reached=reached;
 return result;
 }
 fn BokehExactTarget(k:i32,polygon:BokehPolygon,rays:bool,L1:BokehLine,L2:BokehLine,
-L3:BokehLine,L4:BokehLine,centerPixel:vec4f) -> vec4f
+L3:BokehLine,L4:BokehLine,centerPixel:vec4f)->vec4f
 {
-let weights:vec4f = BokehEdgeWeights(k,polygon);
-let sum:vec4f = L1.sum * weights.x + L2.sum * weights.y + L3.sum * weights.z + L4.sum *
+let weights:vec4f=BokehEdgeWeights(k,polygon);
+let sum:vec4f=L1.sum*weights.x+L2.sum*weights.y+L3.sum*weights.z+L4.sum *
 weights.w;
-var result:vec4f = BokehResolved(sum,centerPixel);
-let gathered:f32 = sum.r + sum.g + sum.b;
-if (rays && gathered > 0.0)
+var result:vec4f=BokehResolved(sum,centerPixel);
+let gathered:f32=sum.r+sum.g+sum.b;
+if(rays&&gathered > 0.0)
 {
-let reached:f32 = dot(vec4f(L1.reached,L2.reached,L3.reached,L4.reached),weights);
-result = vec4f(result.rgb,result.a * min(reached / gathered * 1.001,1.0));
+let reached:f32=dot(vec4f(L1.reached,L2.reached,L3.reached,L4.reached),weights);
+result=vec4f(result.rgb,result.a*min(reached/gathered*1.001,1.0));
 }
 return result;
 }
 fn BokehExactFirst(MapSamp:texture_2d<f32>,uv:vec2f,last:i32,polygon:BokehPolygon,
-settings:BokehSamplingSettings,BokehLinearClamp:sampler) -> BokehTargets
+settings:BokehSamplingSettings,BokehLinearClamp:sampler)->BokehTargets
 {
-let centerPixel:vec4f = BokehFetch(MapSamp,uv,BokehLinearClamp);
-let CoC:f32 = centerPixel.a;
-var rays:bool = false;
-if (last < 4)
+let centerPixel:vec4f=BokehFetch(MapSamp,uv,BokehLinearClamp);
+let CoC:f32=centerPixel.a;
+var rays:bool=false;
+if(last < 4)
 {
-rays = polygon.sides == 6;
+rays=polygon.sides==6;
 }
-let L1:BokehLine = BokehLineSum(MapSamp,uv,1,polygon,false,rays,CoC,settings,
+let L1:BokehLine=BokehLineSum(MapSamp,uv,1,polygon,false,rays,CoC,settings,
 BokehLinearClamp);
 var L2:BokehLine;
-L2.sum = vec4f(0.0,0.0,0.0,0.0);
-L2.reached = 0.0;
-var L3:BokehLine = L2;
-var L4:BokehLine = L2;
-if (last > 2)
+L2.sum=vec4f(0.0,0.0,0.0,0.0);
+L2.reached=0.0;
+var L3:BokehLine=L2;
+var L4:BokehLine=L2;
+if(last > 2)
 {
-L2 = BokehLineSum(MapSamp,uv,2,polygon,false,rays,CoC,settings,BokehLinearClamp);
+L2=BokehLineSum(MapSamp,uv,2,polygon,false,rays,CoC,settings,BokehLinearClamp);
 }
-if (last > 3)
+if(last > 3)
 {
-L3 = BokehLineSum(MapSamp,uv,3,polygon,false,rays,CoC,settings,BokehLinearClamp);
+L3=BokehLineSum(MapSamp,uv,3,polygon,false,rays,CoC,settings,BokehLinearClamp);
 }
-if (last > 4)
+if(last > 4)
 {
-L4 = BokehLineSum(MapSamp,uv,4,polygon,false,rays,CoC,settings,BokehLinearClamp);
+L4=BokehLineSum(MapSamp,uv,4,polygon,false,rays,CoC,settings,BokehLinearClamp);
 }
 var targets:BokehTargets;
-targets.strip2 = BokehExactTarget(2,polygon,rays,L1,L2,L3,L4,centerPixel);
-targets.strip3 = BokehExactTarget(3,polygon,rays,L1,L2,L3,L4,centerPixel);
-targets.strip4 = BokehExactTarget(4,polygon,rays,L1,L2,L3,L4,centerPixel);
-targets.strip5 = BokehExactTarget(5,polygon,rays,L1,L2,L3,L4,centerPixel);
+targets.strip2=BokehExactTarget(2,polygon,rays,L1,L2,L3,L4,centerPixel);
+targets.strip3=BokehExactTarget(3,polygon,rays,L1,L2,L3,L4,centerPixel);
+targets.strip4=BokehExactTarget(4,polygon,rays,L1,L2,L3,L4,centerPixel);
+targets.strip5=BokehExactTarget(5,polygon,rays,L1,L2,L3,L4,centerPixel);
 return targets;
 }
 fn BokehSquareFirst(MapSamp:texture_2d<f32>,uv:vec2f,polygon:BokehPolygon,
-settings:BokehSamplingSettings,BokehLinearClamp:sampler) -> BokehTargets
+settings:BokehSamplingSettings,BokehLinearClamp:sampler)->BokehTargets
 {
 return BokehExactFirst(MapSamp,uv,2,polygon,settings,BokehLinearClamp);
 }
 fn BokehSquareSecond(Strip2Samp:texture_2d<f32>,uv:vec2f,polygon:BokehPolygon,
-settings:BokehSamplingSettings,BokehLinearClamp:sampler) -> vec4f
+settings:BokehSamplingSettings,BokehLinearClamp:sampler)->vec4f
 {
-let pixel:vec4f = BokehFetch(Strip2Samp,uv,BokehLinearClamp);
-let L2:BokehLine = BokehLineSum(Strip2Samp,uv,2,polygon,true,false,pixel.a,settings,
+let pixel:vec4f=BokehFetch(Strip2Samp,uv,BokehLinearClamp);
+let L2:BokehLine=BokehLineSum(Strip2Samp,uv,2,polygon,true,false,pixel.a,settings,
 BokehLinearClamp);
 return BokehResolved(L2.sum,pixel);
 }
 fn BokehHexagonFirst(MapSamp:texture_2d<f32>,uv:vec2f,polygon:BokehPolygon,
-settings:BokehSamplingSettings,BokehLinearClamp:sampler) -> BokehTargets
+settings:BokehSamplingSettings,BokehLinearClamp:sampler)->BokehTargets
 {
 return BokehExactFirst(MapSamp,uv,3,polygon,settings,BokehLinearClamp);
 }
 fn BokehHexagonSecond(Strip2Samp:texture_2d<f32>,Strip3Samp:texture_2d<f32>,uv:vec2f,
-polygon:BokehPolygon,settings:BokehSamplingSettings,BokehLinearClamp:sampler) -> vec4f
+polygon:BokehPolygon,settings:BokehSamplingSettings,BokehLinearClamp:sampler)->vec4f
 {
-let pixel:vec4f = BokehFetch(Strip2Samp,uv,BokehLinearClamp);
-let L2:BokehLine = BokehLineSum(Strip2Samp,uv,2,polygon,true,true,pixel.a,settings,
+let pixel:vec4f=BokehFetch(Strip2Samp,uv,BokehLinearClamp);
+let L2:BokehLine=BokehLineSum(Strip2Samp,uv,2,polygon,true,true,pixel.a,settings,
 BokehLinearClamp);
-let L3:BokehLine = BokehLineSum(Strip3Samp,uv,3,polygon,true,true,pixel.a,settings,
+let L3:BokehLine=BokehLineSum(Strip3Samp,uv,3,polygon,true,true,pixel.a,settings,
 BokehLinearClamp);
-return BokehResolved(L2.sum + L3.sum,pixel);
+return BokehResolved(L2.sum+L3.sum,pixel);
 }
 fn BokehOctagonFirst(MapSamp:texture_2d<f32>,uv:vec2f,polygon:BokehPolygon,
-settings:BokehSamplingSettings,BokehLinearClamp:sampler) -> BokehTargets
+settings:BokehSamplingSettings,BokehLinearClamp:sampler)->BokehTargets
 {
 return BokehExactFirst(MapSamp,uv,4,polygon,settings,BokehLinearClamp);
 }
 fn BokehOctagonSecond(Strip2Samp:texture_2d<f32>,Strip3Samp:texture_2d<f32>,
 Strip4Samp:texture_2d<f32>,uv:vec2f,polygon:BokehPolygon,settings:BokehSamplingSettings,
-BokehLinearClamp:sampler) -> vec4f
+BokehLinearClamp:sampler)->vec4f
 {
-let pixel:vec4f = BokehFetch(Strip2Samp,uv,BokehLinearClamp);
-let L2:BokehLine = BokehLineSum(Strip2Samp,uv,2,polygon,true,false,pixel.a,settings,
+let pixel:vec4f=BokehFetch(Strip2Samp,uv,BokehLinearClamp);
+let L2:BokehLine=BokehLineSum(Strip2Samp,uv,2,polygon,true,false,pixel.a,settings,
 BokehLinearClamp);
-let L3:BokehLine = BokehLineSum(Strip3Samp,uv,3,polygon,true,false,pixel.a,settings,
+let L3:BokehLine=BokehLineSum(Strip3Samp,uv,3,polygon,true,false,pixel.a,settings,
 BokehLinearClamp);
-let L4:BokehLine = BokehLineSum(Strip4Samp,uv,4,polygon,true,false,pixel.a,settings,
+let L4:BokehLine=BokehLineSum(Strip4Samp,uv,4,polygon,true,false,pixel.a,settings,
 BokehLinearClamp);
-return BokehResolved(L2.sum + L3.sum + L4.sum,pixel);
+return BokehResolved(L2.sum+L3.sum+L4.sum,pixel);
 }
 fn BokehDecagonFirst(MapSamp:texture_2d<f32>,uv:vec2f,polygon:BokehPolygon,
-settings:BokehSamplingSettings,BokehLinearClamp:sampler) -> BokehTargets
+settings:BokehSamplingSettings,BokehLinearClamp:sampler)->BokehTargets
 {
 return BokehExactFirst(MapSamp,uv,5,polygon,settings,BokehLinearClamp);
 }
 fn BokehDecagonSecond(Strip2Samp:texture_2d<f32>,Strip3Samp:texture_2d<f32>,
 Strip4Samp:texture_2d<f32>,Strip5Samp:texture_2d<f32>,uv:vec2f,polygon:BokehPolygon,
-settings:BokehSamplingSettings,BokehLinearClamp:sampler) -> vec4f
+settings:BokehSamplingSettings,BokehLinearClamp:sampler)->vec4f
 {
-let pixel:vec4f = BokehFetch(Strip2Samp,uv,BokehLinearClamp);
-let L2:BokehLine = BokehLineSum(Strip2Samp,uv,2,polygon,true,false,pixel.a,settings,
+let pixel:vec4f=BokehFetch(Strip2Samp,uv,BokehLinearClamp);
+let L2:BokehLine=BokehLineSum(Strip2Samp,uv,2,polygon,true,false,pixel.a,settings,
 BokehLinearClamp);
-let L3:BokehLine = BokehLineSum(Strip3Samp,uv,3,polygon,true,false,pixel.a,settings,
+let L3:BokehLine=BokehLineSum(Strip3Samp,uv,3,polygon,true,false,pixel.a,settings,
 BokehLinearClamp);
-let L4:BokehLine = BokehLineSum(Strip4Samp,uv,4,polygon,true,false,pixel.a,settings,
+let L4:BokehLine=BokehLineSum(Strip4Samp,uv,4,polygon,true,false,pixel.a,settings,
 BokehLinearClamp);
-let L5:BokehLine = BokehLineSum(Strip5Samp,uv,5,polygon,true,false,pixel.a,settings,
+let L5:BokehLine=BokehLineSum(Strip5Samp,uv,5,polygon,true,false,pixel.a,settings,
 BokehLinearClamp);
-return BokehResolved(L2.sum + L3.sum + L4.sum + L5.sum,pixel);
+return BokehResolved(L2.sum+L3.sum+L4.sum+L5.sum,pixel);
 }
 `,
   bokeh_paper: `
-override BOKEH_PAPER_SAMPLES:i32 = 13;
-fn BokehPaperDepth(DepthSamp:BokehDepthTexture,uv:vec2f) -> f32
+override BOKEH_PAPER_SAMPLES: i32 = 13;
+fn BokehPaperDepth(DepthSamp:BokehDepthTexture,uv:vec2f)->f32
 {
 return BokehSanitize(BokehFetchDepth(DepthSamp,BokehToTexture(uv)),BOKEH_MIN_DEPTH,
 BOKEH_MAX_DEPTH);
 }
 fn BokehCoCMap(ColorSamp:texture_2d<f32>,DepthSamp:BokehDepthTexture,uv:vec2f,
-lens:BokehLens) -> vec4f
+lens:BokehLens)->vec4f
 {
 return BokehPackCoC(BokehFetchTexel(ColorSamp,BokehToTexture(uv)),
 abs(BokehSignedCoC(BokehPaperDepth(DepthSamp,uv),lens)));
 }
-fn BokehLineEnd(angle:f32,aspectRatio:f32) -> vec2f
+fn BokehLineEnd(angle:f32,aspectRatio:f32)->vec2f
 {
-return vec2f(0.5 * cos(angle) / aspectRatio,0.5 * sin(angle));
+return vec2f(0.5*cos(angle)/aspectRatio,0.5*sin(angle));
 }
-fn BokehMakeOffsets(lineEnd:vec2f,i:i32,numSamples:i32) -> vec2f
+fn BokehMakeOffsets(lineEnd:vec2f,i:i32,numSamples:i32)->vec2f
 {
-let last:i32 = max(numSamples,2) - 1;
-let t:f32 = f32(2 * i - last) / f32(last);
-return lineEnd * t;
+let last:i32=max(numSamples,2)-1;
+let t:f32=f32(2*i-last)/f32(last);
+return lineEnd*t;
 }
-fn BokehSegment(angle:f32,lineLength:f32,lineCenter:vec2f,squeeze:f32) -> vec4f
+fn BokehSegment(angle:f32,lineLength:f32,lineCenter:vec2f,squeeze:f32)->vec4f
 {
-let halfLine:vec2f = vec2f(cos(angle),sin(angle)) * 0.5 * lineLength;
-return vec4f(lineCenter,halfLine) * vec4f(squeeze,1.0,squeeze,1.0);
+let halfLine:vec2f=vec2f(cos(angle),sin(angle))*0.5*lineLength;
+return vec4f(lineCenter,halfLine)*vec4f(squeeze,1.0,squeeze,1.0);
 }
 fn BokehLeakageWeight(sampleDepth:f32,sampleCoC:f32,centerDepth:f32,centerCoC:f32,
-settings:BokehSamplingSettings) -> f32
+settings:BokehSamplingSettings)->f32
 {
-var weight:f32 = 1.0;
-if (sampleDepth < centerDepth && centerCoC > sampleCoC + settings.bleedingBias)
+var weight:f32=1.0;
+if(sampleDepth < centerDepth&&centerCoC > sampleCoC+settings.bleedingBias)
 {
-weight = clamp(sampleCoC * settings.bleedingMult,0.0,1.0);
+weight=clamp(sampleCoC*settings.bleedingMult,0.0,1.0);
 }
 return weight;
 }
-fn BokehResolve(color:vec4f,totalWeight:f32,centerPixel:vec4f,blurCoC:bool) -> vec4f
+fn BokehResolve(color:vec4f,totalWeight:f32,centerPixel:vec4f,blurCoC:bool)->vec4f
 {
-var result:vec4f = centerPixel;
-if (totalWeight > 0.0)
+var result:vec4f=centerPixel;
+if(totalWeight > 0.0)
 {
-result = color / totalWeight;
+result=color/totalWeight;
 }
-if (!blurCoC)
+if(!blurCoC)
 {
-result = vec4f(result.rgb,centerPixel.a);
+result=vec4f(result.rgb,centerPixel.a);
 }
 return result;
 }
 fn BokehDepthOfField(ColorSamp:texture_2d<f32>,DepthSamp:BokehDepthTexture,uv:vec2f,
 lineEnd:vec2f,settings:BokehSamplingSettings,blurCoC:bool,
-BokehLinearClamp:sampler) -> vec4f
+BokehLinearClamp:sampler)->vec4f
 {
-let centerPixel:vec4f = BokehFetch(ColorSamp,uv,BokehLinearClamp);
-let centerDepth:f32 = BokehPaperDepth(DepthSamp,uv);
-var color:vec4f = vec4f(0.0,0.0,0.0,0.0);
-var totalWeight:f32 = 0.0;
-for (var i:i32 = 0; i < BOKEH_PAPER_SAMPLES; i++)
+let centerPixel:vec4f=BokehFetch(ColorSamp,uv,BokehLinearClamp);
+let centerDepth:f32=BokehPaperDepth(DepthSamp,uv);
+var color:vec4f=vec4f(0.0,0.0,0.0,0.0);
+var totalWeight:f32=0.0;
+for(var i:i32=0;i < BOKEH_PAPER_SAMPLES;i++)
 {
-let offset:vec2f = BokehMakeOffsets(lineEnd,i,BOKEH_PAPER_SAMPLES);
-let sampleCoords:vec2f = uv + offset * centerPixel.a;
-let samplePixel:vec4f = BokehFetch(ColorSamp,sampleCoords,BokehLinearClamp);
-let sampleDepth:f32 = BokehFetchDepth(DepthSamp,BokehToTexture(sampleCoords));
-let weight:f32 = BokehLeakageWeight(sampleDepth,samplePixel.a,centerDepth,centerPixel.a,
+let offset:vec2f=BokehMakeOffsets(lineEnd,i,BOKEH_PAPER_SAMPLES);
+let sampleCoords:vec2f=uv+offset*centerPixel.a;
+let samplePixel:vec4f=BokehFetch(ColorSamp,sampleCoords,BokehLinearClamp);
+let sampleDepth:f32=BokehFetchDepth(DepthSamp,BokehToTexture(sampleCoords));
+let weight:f32=BokehLeakageWeight(sampleDepth,samplePixel.a,centerDepth,centerPixel.a,
 settings);
-color += samplePixel * weight;
-totalWeight += weight;
+color+=samplePixel*weight;
+totalWeight+=weight;
 }
 return BokehResolve(color,totalWeight,centerPixel,blurCoC);
 }
 fn BokehDepthOfFieldAdaptive(ColorSamp:texture_2d<f32>,DepthSamp:BokehDepthTexture,uv:vec2f,
 segment:vec4f,settings:BokehSamplingSettings,blurCoC:bool,
-BokehLinearClamp:sampler) -> vec4f
+BokehLinearClamp:sampler)->vec4f
 {
-let centerPixel:vec4f = BokehFetch(ColorSamp,uv,BokehLinearClamp);
-var result:vec4f = centerPixel;
-let CoC:f32 = BokehFilterCoC(centerPixel.a,settings.imageHeight);
-if (CoC > 0.0)
+let centerPixel:vec4f=BokehFetch(ColorSamp,uv,BokehLinearClamp);
+var result:vec4f=centerPixel;
+let CoC:f32=BokehFilterCoC(centerPixel.a,settings.imageHeight);
+if(CoC > 0.0)
 {
-let centerDepth:f32 = BokehPaperDepth(DepthSamp,uv);
-let lengthInPixels:f32 = 2.0 * length(segment.zw) * CoC * settings.imageHeight;
-let samples:f32 = BokehSampleCount(lengthInPixels,settings.spacing);
-let phase:f32 = 0.5 + settings.jitter * clamp(lengthInPixels / samples - 1.0,0.0,1.0);
-let scale:vec2f = vec2f(CoC / settings.aspectRatio,CoC);
-let first:vec2f = uv + (segment.xy - segment.zw) * scale;
-let sampleStep:vec2f = segment.zw * scale * (2.0 / samples);
-var color:vec4f = vec4f(0.0,0.0,0.0,0.0);
-var totalWeight:f32 = 0.0;
-for (var i:i32 = 0; i < BOKEH_NUM_SAMPLES; i++)
+let centerDepth:f32=BokehPaperDepth(DepthSamp,uv);
+let lengthInPixels:f32=2.0*length(segment.zw)*CoC*settings.imageHeight;
+let samples:f32=BokehSampleCount(lengthInPixels,settings.spacing);
+let phase:f32=0.5+settings.jitter*clamp(lengthInPixels/samples-1.0,0.0,1.0);
+let scale:vec2f=vec2f(CoC/settings.aspectRatio,CoC);
+let first:vec2f=uv+(segment.xy-segment.zw)*scale;
+let sampleStep:vec2f=segment.zw*scale*(2.0/samples);
+var color:vec4f=vec4f(0.0,0.0,0.0,0.0);
+var totalWeight:f32=0.0;
+for(var i:i32=0;i < BOKEH_NUM_SAMPLES;i++)
 {
-if (BOKEH_SPACING > 0.0 && f32(i) >= samples)
+if(BOKEH_SPACING > 0.0&&f32(i) >= samples)
 {
 break;
 }
-let part:f32 = clamp(samples - f32(i),0.0,1.0);
-let sampleCoords:vec2f = first + sampleStep * (f32(i) + part * phase);
-let samplePixel:vec4f = BokehFetch(ColorSamp,sampleCoords,BokehLinearClamp);
-let sampleDepth:f32 = BokehFetchDepth(DepthSamp,BokehToTexture(sampleCoords));
-let weight:f32 = part * BokehLeakageWeight(sampleDepth,samplePixel.a,centerDepth,
+let part:f32=clamp(samples-f32(i),0.0,1.0);
+let sampleCoords:vec2f=first+sampleStep*(f32(i)+part*phase);
+let samplePixel:vec4f=BokehFetch(ColorSamp,sampleCoords,BokehLinearClamp);
+let sampleDepth:f32=BokehFetchDepth(DepthSamp,BokehToTexture(sampleCoords));
+let weight:f32=part*BokehLeakageWeight(sampleDepth,samplePixel.a,centerDepth,
 centerPixel.a,settings);
-color += samplePixel * weight;
-totalWeight += weight;
+color+=samplePixel*weight;
+totalWeight+=weight;
 }
-result = BokehResolve(color,totalWeight,centerPixel,blurCoC);
+result=BokehResolve(color,totalWeight,centerPixel,blurCoC);
 }
 return result;
 }
-fn BokehCombine(a:vec4f,b:vec4f,useMax:bool) -> vec4f
+fn BokehCombine(a:vec4f,b:vec4f,useMax:bool)->vec4f
 {
-var result:vec4f = min(a,b);
-if (useMax)
+var result:vec4f=min(a,b);
+if(useMax)
 {
-result = max(a,b);
+result=max(a,b);
 }
 return result;
 }
 fn BokehDepthOfFieldFinal(ColorSamp:texture_2d<f32>,DepthSamp:BokehDepthTexture,
 CompareSamp:texture_2d<f32>,uv:vec2f,lineEnd:vec2f,settings:BokehSamplingSettings,
-blurCoC:bool,useMax:bool,BokehLinearClamp:sampler) -> vec4f
+blurCoC:bool,useMax:bool,BokehLinearClamp:sampler)->vec4f
 {
-let a:vec4f = BokehDepthOfField(ColorSamp,DepthSamp,uv,lineEnd,settings,blurCoC,
+let a:vec4f=BokehDepthOfField(ColorSamp,DepthSamp,uv,lineEnd,settings,blurCoC,
 BokehLinearClamp);
 return BokehCombine(a,BokehFetch(CompareSamp,uv,BokehLinearClamp),useMax);
 }
 fn BokehNaiveGather(ColorSamp:texture_2d<f32>,DepthSamp:BokehDepthTexture,
 KernelSamp:texture_2d<f32>,uv:vec2f,settings:BokehSamplingSettings,blurCoC:bool,
-BokehLinearClamp:sampler) -> vec4f
+BokehLinearClamp:sampler)->vec4f
 {
-let centerPixel:vec4f = BokehFetch(ColorSamp,uv,BokehLinearClamp);
-let centerDepth:f32 = BokehPaperDepth(DepthSamp,uv);
-let scale:vec2f = vec2f(centerPixel.a / settings.aspectRatio,centerPixel.a);
-var color:vec4f = vec4f(0.0,0.0,0.0,0.0);
-var totalWeight:f32 = 0.0;
-for (var i:i32 = 0; i < BOKEH_PAPER_SAMPLES; i++)
+let centerPixel:vec4f=BokehFetch(ColorSamp,uv,BokehLinearClamp);
+let centerDepth:f32=BokehPaperDepth(DepthSamp,uv);
+let scale:vec2f=vec2f(centerPixel.a/settings.aspectRatio,centerPixel.a);
+var color:vec4f=vec4f(0.0,0.0,0.0,0.0);
+var totalWeight:f32=0.0;
+for(var i:i32=0;i < BOKEH_PAPER_SAMPLES;i++)
 {
-let offset:vec2f = BokehFetchTexel(KernelSamp,vec2f((f32(i) + 0.5) /
+let offset:vec2f=BokehFetchTexel(KernelSamp,vec2f((f32(i)+0.5) /
 f32(BOKEH_PAPER_SAMPLES),0.5)).rg;
-let sampleCoords:vec2f = uv + offset * scale;
-let samplePixel:vec4f = BokehFetch(ColorSamp,sampleCoords,BokehLinearClamp);
-let sampleDepth:f32 = BokehFetchDepth(DepthSamp,BokehToTexture(sampleCoords));
-let weight:f32 = BokehLeakageWeight(sampleDepth,samplePixel.a,centerDepth,centerPixel.a,
+let sampleCoords:vec2f=uv+offset*scale;
+let samplePixel:vec4f=BokehFetch(ColorSamp,sampleCoords,BokehLinearClamp);
+let sampleDepth:f32=BokehFetchDepth(DepthSamp,BokehToTexture(sampleCoords));
+let weight:f32=BokehLeakageWeight(sampleDepth,samplePixel.a,centerDepth,centerPixel.a,
 settings);
-color += samplePixel * weight;
-totalWeight += weight;
+color+=samplePixel*weight;
+totalWeight+=weight;
 }
 return BokehResolve(color,totalWeight,centerPixel,blurCoC);
 }
 fn BokehNaiveGrid(ColorSamp:texture_2d<f32>,DepthSamp:BokehDepthTexture,uv:vec2f,
 lineEndU:vec2f,lineEndV:vec2f,settings:BokehSamplingSettings,blurCoC:bool,
-BokehLinearClamp:sampler) -> vec4f
+BokehLinearClamp:sampler)->vec4f
 {
-let centerPixel:vec4f = BokehFetch(ColorSamp,uv,BokehLinearClamp);
-let centerDepth:f32 = BokehPaperDepth(DepthSamp,uv);
-var color:vec4f = vec4f(0.0,0.0,0.0,0.0);
-var totalWeight:f32 = 0.0;
-for (var j:i32 = 0; j < BOKEH_PAPER_SAMPLES; j++)
+let centerPixel:vec4f=BokehFetch(ColorSamp,uv,BokehLinearClamp);
+let centerDepth:f32=BokehPaperDepth(DepthSamp,uv);
+var color:vec4f=vec4f(0.0,0.0,0.0,0.0);
+var totalWeight:f32=0.0;
+for(var j:i32=0;j < BOKEH_PAPER_SAMPLES;j++)
 {
-let rowOffset:vec2f = BokehMakeOffsets(lineEndV,j,BOKEH_PAPER_SAMPLES);
-for (var i:i32 = 0; i < BOKEH_PAPER_SAMPLES; i++)
+let rowOffset:vec2f=BokehMakeOffsets(lineEndV,j,BOKEH_PAPER_SAMPLES);
+for(var i:i32=0;i < BOKEH_PAPER_SAMPLES;i++)
 {
-let offset:vec2f = rowOffset + BokehMakeOffsets(lineEndU,i,BOKEH_PAPER_SAMPLES);
-let sampleCoords:vec2f = uv + offset * centerPixel.a;
-let samplePixel:vec4f = BokehFetch(ColorSamp,sampleCoords,BokehLinearClamp);
-let sampleDepth:f32 = BokehFetchDepth(DepthSamp,BokehToTexture(sampleCoords));
-let weight:f32 = BokehLeakageWeight(sampleDepth,samplePixel.a,centerDepth,
+let offset:vec2f=rowOffset+BokehMakeOffsets(lineEndU,i,BOKEH_PAPER_SAMPLES);
+let sampleCoords:vec2f=uv+offset*centerPixel.a;
+let samplePixel:vec4f=BokehFetch(ColorSamp,sampleCoords,BokehLinearClamp);
+let sampleDepth:f32=BokehFetchDepth(DepthSamp,BokehToTexture(sampleCoords));
+let weight:f32=BokehLeakageWeight(sampleDepth,samplePixel.a,centerDepth,
 centerPixel.a,settings);
-color += samplePixel * weight;
-totalWeight += weight;
+color+=samplePixel*weight;
+totalWeight+=weight;
 }
 }
 return BokehResolve(color,totalWeight,centerPixel,blurCoC);
 }
 `,
   bokeh_layers: `
-override BOKEH_LAYER_RINGS:i32 = 2;
-override BOKEH_LAYER_SAMPLES:i32 = 11;
-override BOKEH_LAYER_CUBIC:i32 = 1;
-const BOKEH_MIN_BRIGHTNESS:f32 = 0.00001;
+override BOKEH_LAYER_RINGS: i32 = 2;
+override BOKEH_LAYER_SAMPLES: i32 = 11;
+override BOKEH_LAYER_CUBIC: i32 = 1;
+const BOKEH_MIN_BRIGHTNESS:f32=0.00001;
 struct BokehGrid
 {
 size:vec2f,
@@ -2655,138 +2655,138 @@ texel:vec2f,
 largest:f32,
 jitter:f32,
 }
-fn BokehMakeLayerContext(uv:vec2f,imageSize:vec2f,maxCoC:f32) -> BokehLayerContext
+fn BokehMakeLayerContext(uv:vec2f,imageSize:vec2f,maxCoC:f32)->BokehLayerContext
 {
 var layers:BokehLayerContext;
-layers.uv = uv;
-layers.size = imageSize;
-layers.origin = vec2f(0.0,0.0);
-layers.texel = 1.0 / imageSize;
-layers.largest = maxCoC * imageSize.y;
-layers.jitter = 0.0;
+layers.uv=uv;
+layers.size=imageSize;
+layers.origin=vec2f(0.0,0.0);
+layers.texel=1.0/imageSize;
+layers.largest=maxCoC*imageSize.y;
+layers.jitter=0.0;
 return layers;
 }
-fn BokehFullGrid(layers:BokehLayerContext) -> BokehGrid
+fn BokehFullGrid(layers:BokehLayerContext)->BokehGrid
 {
 var grid:BokehGrid;
-grid.size = layers.size;
-grid.origin = layers.origin;
-grid.texel = layers.texel;
+grid.size=layers.size;
+grid.origin=layers.origin;
+grid.texel=layers.texel;
 return grid;
 }
-fn BokehReducedGrid(layers:BokehLayerContext,scale:f32) -> BokehGrid
+fn BokehReducedGrid(layers:BokehLayerContext,scale:f32)->BokehGrid
 {
 var grid:BokehGrid;
-grid.size = ceil(layers.size / scale);
-grid.origin = layers.origin / scale;
-grid.texel = 1.0 / grid.size;
-if (BOKEH_VIEWPORT > 0)
+grid.size=ceil(layers.size/scale);
+grid.origin=layers.origin/scale;
+grid.texel=1.0/grid.size;
+if(BOKEH_VIEWPORT > 0)
 {
-grid.texel = 1.0 / ceil(floor(1.0 / layers.texel + 0.5) / scale);
+grid.texel=1.0/ceil(floor(1.0/layers.texel+0.5)/scale);
 }
 return grid;
 }
-fn BokehGridCoords(place:vec2f,grid:BokehGrid) -> vec2f
+fn BokehGridCoords(place:vec2f,grid:BokehGrid)->vec2f
 {
-var coords:vec2f = place;
-if (BOKEH_VIEWPORT > 0)
+var coords:vec2f=place;
+if(BOKEH_VIEWPORT > 0)
 {
-let inset:vec2f = min(vec2f(0.5078125,0.5078125),grid.size * 0.5);
-coords = grid.origin + clamp(place,inset,grid.size - inset);
+let inset:vec2f=min(vec2f(0.5078125,0.5078125),grid.size*0.5);
+coords=grid.origin+clamp(place,inset,grid.size-inset);
 }
-return coords * grid.texel;
+return coords*grid.texel;
 }
 fn BokehFetchGrid(tex:texture_2d<f32>,place:vec2f,grid:BokehGrid,
-BokehLinearClamp:sampler) -> vec4f
+BokehLinearClamp:sampler)->vec4f
 {
 return BokehFetchTexture(tex,BokehGridCoords(place,grid),BokehLinearClamp);
 }
 fn BokehFetchAround(tex:texture_2d<f32>,uv:vec2f,offset:vec2f,grid:BokehGrid,
-BokehLinearClamp:sampler) -> vec4f
+BokehLinearClamp:sampler)->vec4f
 {
-var coords:vec2f = uv + offset * grid.texel;
-if (BOKEH_VIEWPORT > 0)
+var coords:vec2f=uv+offset*grid.texel;
+if(BOKEH_VIEWPORT > 0)
 {
-coords = BokehGridCoords(uv * grid.size + offset,grid);
+coords=BokehGridCoords(uv*grid.size+offset,grid);
 }
 return BokehFetchTexture(tex,coords,BokehLinearClamp);
 }
-fn BokehBrightest(color:vec3f) -> f32
+fn BokehBrightest(color:vec3f)->f32
 {
 return max(max(color.r,color.g),color.b);
 }
-fn BokehLayerSlope(largest:f32,startCoC:f32,fullCoC:f32) -> f32
+fn BokehLayerSlope(largest:f32,startCoC:f32,fullCoC:f32)->f32
 {
-let gate:f32 = clamp((largest - startCoC) / (fullCoC - startCoC),0.001,1.0);
-return 5.0 / max(largest / gate,2.0);
+let gate:f32=clamp((largest-startCoC)/(fullCoC-startCoC),0.001,1.0);
+return 5.0/max(largest/gate,2.0);
 }
-fn BokehNearSlope(largest:f32) -> f32
+fn BokehNearSlope(largest:f32)->f32
 {
 return BokehLayerSlope(largest,6.0,12.0);
 }
-fn BokehFarSlope(largest:f32) -> f32
+fn BokehFarSlope(largest:f32)->f32
 {
 return BokehLayerSlope(largest,10.0,16.0);
 }
-fn BokehLayerWeight(CoC:f32,slope:f32) -> f32
+fn BokehLayerWeight(CoC:f32,slope:f32)->f32
 {
-return clamp(CoC * slope - 2.0,0.0,1.0);
+return clamp(CoC*slope-2.0,0.0,1.0);
 }
 fn BokehTileMax(MapSamp:texture_2d<f32>,layers:BokehLayerContext,
-BokehLinearClamp:sampler) -> vec4f
+BokehLinearClamp:sampler)->vec4f
 {
-let first:vec2f = floor(layers.uv * ceil(layers.size / 8.0)) * 8.0 + vec2f(0.5,0.5);
-var found:vec3f = vec3f(0.0,0.0,0.0);
-for (var y:i32 = 0; y < 8; y++)
+let first:vec2f=floor(layers.uv*ceil(layers.size/8.0))*8.0+vec2f(0.5,0.5);
+var found:vec3f=vec3f(0.0,0.0,0.0);
+for(var y:i32=0;y < 8;y++)
 {
-for (var x:i32 = 0; x < 8; x++)
+for(var x:i32=0;x < 8;x++)
 {
-let place:vec2f = first + vec2f(f32(x),f32(y));
-let pixel:vec4f = BokehFetchGrid(MapSamp,place,BokehFullGrid(layers),
+let place:vec2f=first+vec2f(f32(x),f32(y));
+let pixel:vec4f=BokehFetchGrid(MapSamp,place,BokehFullGrid(layers),
 BokehLinearClamp);
-let s:f32 = pixel.a * layers.size.y;
-let logBrightness:f32 = log2(max(BokehBrightest(pixel.rgb),BOKEH_MIN_BRIGHTNESS));
-found = vec3f(max(found.r,-s),max(found.g,s),found.b + logBrightness);
+let s:f32=pixel.a*layers.size.y;
+let logBrightness:f32=log2(max(BokehBrightest(pixel.rgb),BOKEH_MIN_BRIGHTNESS));
+found=vec3f(max(found.r,-s),max(found.g,s),found.b+logBrightness);
 }
 }
-return vec4f(min(found.r,BOKEH_MAX_COLOR),min(found.g,BOKEH_MAX_COLOR),found.b / 64.0,1.0);
+return vec4f(min(found.r,BOKEH_MAX_COLOR),min(found.g,BOKEH_MAX_COLOR),found.b/64.0,1.0);
 }
-fn BokehReaching(CoC:vec2f,tiles:f32) -> vec2f
+fn BokehReaching(CoC:vec2f,tiles:f32)->vec2f
 {
-let share:vec2f = CoC / 16.0 + 1.0 - max(tiles - 2.0,0.0);
-return CoC * clamp(share,vec2f(0.0,0.0),vec2f(1.0,1.0));
+let share:vec2f=CoC/16.0+1.0-max(tiles-2.0,0.0);
+return CoC*clamp(share,vec2f(0.0,0.0),vec2f(1.0,1.0));
 }
-fn BokehReachTiles(layers:BokehLayerContext) -> f32
+fn BokehReachTiles(layers:BokehLayerContext)->f32
 {
-return min(ceil(layers.largest / 16.0) + 2.0,127.0);
+return min(ceil(layers.largest/16.0)+2.0,127.0);
 }
 fn BokehTileDilate(TilesSamp:texture_2d<f32>,axis:vec2f,layers:BokehLayerContext,
-BokehLinearClamp:sampler) -> vec4f
+BokehLinearClamp:sampler)->vec4f
 {
-let grid:BokehGrid = BokehReducedGrid(layers,8.0);
-let radius:f32 = BokehReachTiles(layers);
-var found:vec2f = vec2f(0.0,0.0);
-var logBrightness:f32 = 0.0;
-for (var i:i32 = 0; i < 255; i++)
+let grid:BokehGrid=BokehReducedGrid(layers,8.0);
+let radius:f32=BokehReachTiles(layers);
+var found:vec2f=vec2f(0.0,0.0);
+var logBrightness:f32=0.0;
+for(var i:i32=0;i < 255;i++)
 {
-let tiles:f32 = f32(i) - radius;
-if (tiles > radius)
+let tiles:f32=f32(i)-radius;
+if(tiles > radius)
 {
 break;
 }
-let tile:vec4f = BokehFetchGrid(TilesSamp,layers.uv * grid.size + axis * tiles,grid,
+let tile:vec4f=BokehFetchGrid(TilesSamp,layers.uv*grid.size+axis*tiles,grid,
 BokehLinearClamp);
-found = max(found,BokehReaching(tile.rg,abs(tiles)));
-logBrightness += tile.b;
+found=max(found,BokehReaching(tile.rg,abs(tiles)));
+logBrightness+=tile.b;
 }
-return vec4f(found,logBrightness / (2.0 * radius + 1.0),1.0);
+return vec4f(found,logBrightness/(2.0*radius+1.0),1.0);
 }
 fn BokehBlurWeights(a:vec4f,b:vec4f,c:vec4f,d:vec4f,inverseBrightness:f32,
-maxWeight:f32) -> vec4f
+maxWeight:f32)->vec4f
 {
-let brightest:vec4f = vec4f(BokehBrightest(a.rgb),BokehBrightest(b.rgb),
+let brightest:vec4f=vec4f(BokehBrightest(a.rgb),BokehBrightest(b.rgb),
 BokehBrightest(c.rgb),BokehBrightest(d.rgb));
-return min(0.01 + brightest * inverseBrightness,vec4f(maxWeight,maxWeight,maxWeight,
+return min(0.01+brightest*inverseBrightness,vec4f(maxWeight,maxWeight,maxWeight,
 maxWeight));
 }
 struct BokehPrefiltered
@@ -2796,101 +2796,101 @@ farLayer:vec4f,
 layerCoCSums:vec4f,
 gatherCoC:vec4f,
 }
-fn BokehLayerWeights(CoC:vec4f,slope:f32) -> vec4f
+fn BokehLayerWeights(CoC:vec4f,slope:f32)->vec4f
 {
-return clamp(CoC * slope - 2.0,vec4f(0.0,0.0,0.0,0.0),vec4f(1.0,1.0,1.0,1.0));
+return clamp(CoC*slope-2.0,vec4f(0.0,0.0,0.0,0.0),vec4f(1.0,1.0,1.0,1.0));
 }
-fn BokehSurroundings(found:vec4f,pixel:vec4f,nearWeight:f32,maxNearWeight:f32) -> vec4f
+fn BokehSurroundings(found:vec4f,pixel:vec4f,nearWeight:f32,maxNearWeight:f32)->vec4f
 {
-var result:vec4f = vec4f(min(found.rgb,pixel.rgb),found.a);
-if (nearWeight < 0.5 * maxNearWeight)
+var result:vec4f=vec4f(min(found.rgb,pixel.rgb),found.a);
+if(nearWeight < 0.5*maxNearWeight)
 {
-result = vec4f(found.rgb,max(found.a,BokehBrightest(pixel.rgb)));
+result=vec4f(found.rgb,max(found.a,BokehBrightest(pixel.rgb)));
 }
 return result;
 }
-fn BokehNearPixel(pixel:vec4f,nearWeight:f32,around:vec4f) -> vec4f
+fn BokehNearPixel(pixel:vec4f,nearWeight:f32,around:vec4f)->vec4f
 {
-var result:vec4f = vec4f(pixel.rgb,nearWeight);
-let brightest:f32 = BokehBrightest(pixel.rgb);
-let limit:f32 = BokehBrightest(around.rgb);
-if (around.a > brightest)
+var result:vec4f=vec4f(pixel.rgb,nearWeight);
+let brightest:f32=BokehBrightest(pixel.rgb);
+let limit:f32=BokehBrightest(around.rgb);
+if(around.a > brightest)
 {
-result = vec4f(min(pixel.rgb,around.rgb),nearWeight);
-if (brightest > limit)
+result=vec4f(min(pixel.rgb,around.rgb),nearWeight);
+if(brightest > limit)
 {
-result = vec4f(result.rgb,nearWeight * (around.a - brightest) / (around.a - limit));
+result=vec4f(result.rgb,nearWeight*(around.a-brightest)/(around.a-limit));
 }
 }
 return result;
 }
 fn BokehPrefilter(MapSamp:texture_2d<f32>,DilatedTilesSamp:texture_2d<f32>,
-layers:BokehLayerContext,BokehLinearClamp:sampler) -> BokehPrefiltered
+layers:BokehLayerContext,BokehLinearClamp:sampler)->BokehPrefiltered
 {
-let full:BokehGrid = BokehFullGrid(layers);
-let middle:vec2f = floor(layers.uv * ceil(layers.size / 2.0)) * 2.0 + vec2f(1.0,1.0);
-let tile:vec4f = BokehFetchGrid(DilatedTilesSamp,middle / 8.0,BokehReducedGrid(layers,8.0),
+let full:BokehGrid=BokehFullGrid(layers);
+let middle:vec2f=floor(layers.uv*ceil(layers.size/2.0))*2.0+vec2f(1.0,1.0);
+let tile:vec4f=BokehFetchGrid(DilatedTilesSamp,middle/8.0,BokehReducedGrid(layers,8.0),
 BokehLinearClamp);
-let nearSlope:f32 = BokehNearSlope(tile.r);
-let farSlope:f32 = BokehFarSlope(tile.g);
-let inverseBrightness:f32 = exp2(-tile.b);
-let maxWeight:f32 = 500000.0 / max(layers.largest,50.0);
-var a:vec4f = BokehFetchGrid(MapSamp,middle + vec2f(-0.5,-0.5),full,BokehLinearClamp);
-var b:vec4f = BokehFetchGrid(MapSamp,middle + vec2f(0.5,-0.5),full,BokehLinearClamp);
-var c:vec4f = BokehFetchGrid(MapSamp,middle + vec2f(-0.5,0.5),full,BokehLinearClamp);
-var d:vec4f = BokehFetchGrid(MapSamp,middle + vec2f(0.5,0.5),full,BokehLinearClamp);
-let s:vec4f = vec4f(a.a,b.a,c.a,d.a) * full.size.y;
-let nearWeights:vec4f = BokehLayerWeights(-s,nearSlope);
-let farWeights:vec4f = BokehLayerWeights(s,farSlope);
-let farSum:vec4f = vec4f(a.rgb,1.0) * farWeights.x + vec4f(b.rgb,1.0) * farWeights.y +
-vec4f(c.rgb,1.0) * farWeights.z + vec4f(d.rgb,1.0) * farWeights.w;
-var weights:vec4f = farWeights * BokehBlurWeights(a,b,c,d,inverseBrightness,maxWeight);
-let one:vec4f = vec4f(1.0,1.0,1.0,1.0);
-var sums:vec4f = vec4f(0.0,0.0,dot(weights,s) / 8.0,dot(weights,one));
-let nearGather:vec4f = -s * min(4.0 - 4.0 * nearWeights,one);
-let farGather:vec4f = s * min(4.0 - 4.0 * farWeights,one);
-let gatherCoC:vec2f = max(max(vec2f(nearGather.x,farGather.x),vec2f(nearGather.y,
+let nearSlope:f32=BokehNearSlope(tile.r);
+let farSlope:f32=BokehFarSlope(tile.g);
+let inverseBrightness:f32=exp2(-tile.b);
+let maxWeight:f32=500000.0/max(layers.largest,50.0);
+var a:vec4f=BokehFetchGrid(MapSamp,middle+vec2f(-0.5,-0.5),full,BokehLinearClamp);
+var b:vec4f=BokehFetchGrid(MapSamp,middle+vec2f(0.5,-0.5),full,BokehLinearClamp);
+var c:vec4f=BokehFetchGrid(MapSamp,middle+vec2f(-0.5,0.5),full,BokehLinearClamp);
+var d:vec4f=BokehFetchGrid(MapSamp,middle+vec2f(0.5,0.5),full,BokehLinearClamp);
+let s:vec4f=vec4f(a.a,b.a,c.a,d.a)*full.size.y;
+let nearWeights:vec4f=BokehLayerWeights(-s,nearSlope);
+let farWeights:vec4f=BokehLayerWeights(s,farSlope);
+let farSum:vec4f=vec4f(a.rgb,1.0)*farWeights.x+vec4f(b.rgb,1.0)*farWeights.y +
+vec4f(c.rgb,1.0)*farWeights.z+vec4f(d.rgb,1.0)*farWeights.w;
+var weights:vec4f=farWeights*BokehBlurWeights(a,b,c,d,inverseBrightness,maxWeight);
+let one:vec4f=vec4f(1.0,1.0,1.0,1.0);
+var sums:vec4f=vec4f(0.0,0.0,dot(weights,s)/8.0,dot(weights,one));
+let nearGather:vec4f = -s*min(4.0-4.0*nearWeights,one);
+let farGather:vec4f=s*min(4.0-4.0*farWeights,one);
+let gatherCoC:vec2f=max(max(vec2f(nearGather.x,farGather.x),vec2f(nearGather.y,
 farGather.y)),max(vec2f(nearGather.z,farGather.z),vec2f(nearGather.w,farGather.w)));
-let maxNearWeight:f32 = max(max(nearWeights.x,nearWeights.y),max(nearWeights.z,
+let maxNearWeight:f32=max(max(nearWeights.x,nearWeights.y),max(nearWeights.z,
 nearWeights.w));
-var nearSum:vec4f = vec4f(0.0,0.0,0.0,0.0);
-if (maxNearWeight > 0.0)
+var nearSum:vec4f=vec4f(0.0,0.0,0.0,0.0);
+if(maxNearWeight > 0.0)
 {
-var around:vec4f = vec4f(BOKEH_MAX_COLOR,BOKEH_MAX_COLOR,BOKEH_MAX_COLOR,0.0);
-around = BokehSurroundings(around,a,nearWeights.x,maxNearWeight);
-around = BokehSurroundings(around,b,nearWeights.y,maxNearWeight);
-around = BokehSurroundings(around,c,nearWeights.z,maxNearWeight);
-around = BokehSurroundings(around,d,nearWeights.w,maxNearWeight);
-for (var y:i32 = 0; y < 4; y++)
+var around:vec4f=vec4f(BOKEH_MAX_COLOR,BOKEH_MAX_COLOR,BOKEH_MAX_COLOR,0.0);
+around=BokehSurroundings(around,a,nearWeights.x,maxNearWeight);
+around=BokehSurroundings(around,b,nearWeights.y,maxNearWeight);
+around=BokehSurroundings(around,c,nearWeights.z,maxNearWeight);
+around=BokehSurroundings(around,d,nearWeights.w,maxNearWeight);
+for(var y:i32=0;y < 4;y++)
 {
-for (var x:i32 = 0; x < 4; x++)
+for(var x:i32=0;x < 4;x++)
 {
-let offset:vec2f = vec2f(f32(x) - 1.5,f32(y) - 1.5);
-if (abs(abs(offset.x) + abs(offset.y) - 2.0) < 0.5)
+let offset:vec2f=vec2f(f32(x)-1.5,f32(y)-1.5);
+if(abs(abs(offset.x)+abs(offset.y)-2.0) < 0.5)
 {
-let pixel:vec4f = BokehFetchGrid(MapSamp,middle + offset,full,
+let pixel:vec4f=BokehFetchGrid(MapSamp,middle+offset,full,
 BokehLinearClamp);
-around = BokehSurroundings(around,pixel,BokehLayerWeight(-pixel.a *
+around=BokehSurroundings(around,pixel,BokehLayerWeight(-pixel.a *
 full.size.y,nearSlope),maxNearWeight);
 }
 }
 }
-a = BokehNearPixel(a,nearWeights.x,around);
-b = BokehNearPixel(b,nearWeights.y,around);
-c = BokehNearPixel(c,nearWeights.z,around);
-d = BokehNearPixel(d,nearWeights.w,around);
-nearSum = vec4f(a.rgb,1.0) * a.a + vec4f(b.rgb,1.0) * b.a + vec4f(c.rgb,1.0) * c.a +
-vec4f(d.rgb,1.0) * d.a;
-weights = vec4f(a.a,b.a,c.a,d.a) * BokehBlurWeights(a,b,c,d,inverseBrightness,
+a=BokehNearPixel(a,nearWeights.x,around);
+b=BokehNearPixel(b,nearWeights.y,around);
+c=BokehNearPixel(c,nearWeights.z,around);
+d=BokehNearPixel(d,nearWeights.w,around);
+nearSum=vec4f(a.rgb,1.0)*a.a+vec4f(b.rgb,1.0)*b.a+vec4f(c.rgb,1.0)*c.a +
+vec4f(d.rgb,1.0)*d.a;
+weights=vec4f(a.a,b.a,c.a,d.a)*BokehBlurWeights(a,b,c,d,inverseBrightness,
 maxWeight);
-sums = vec4f(-dot(weights,s) / 8.0,dot(weights,one),sums.z,sums.w);
+sums=vec4f(-dot(weights,s)/8.0,dot(weights,one),sums.z,sums.w);
 }
 var targets:BokehPrefiltered;
-targets.nearLayer = nearSum * 0.25;
-targets.farLayer = farSum * 0.25;
-let maxValue:f32 = BOKEH_MAX_COLOR;
-targets.layerCoCSums = min(sums * 0.25,vec4f(maxValue,maxValue,maxValue,maxValue));
-targets.gatherCoC = vec4f(clamp(gatherCoC,vec2f(0.0,0.0),vec2f(maxValue,maxValue)),0.0,
+targets.nearLayer=nearSum*0.25;
+targets.farLayer=farSum*0.25;
+let maxValue:f32=BOKEH_MAX_COLOR;
+targets.layerCoCSums=min(sums*0.25,vec4f(maxValue,maxValue,maxValue,maxValue));
+targets.gatherCoC=vec4f(clamp(gatherCoC,vec2f(0.0,0.0),vec2f(maxValue,maxValue)),0.0,
 1.0);
 return targets;
 }
@@ -2900,62 +2900,62 @@ gatherCoC:vec4f,
 sums:vec4f,
 }
 fn BokehLayerCoCReduce(SumsSamp:texture_2d<f32>,GatherCoCSamp:texture_2d<f32>,
-layers:BokehLayerContext,BokehLinearClamp:sampler) -> BokehTileSums
+layers:BokehLayerContext,BokehLinearClamp:sampler)->BokehTileSums
 {
-let halves:BokehGrid = BokehReducedGrid(layers,2.0);
-let first:vec2f = floor(layers.uv * ceil(layers.size / 8.0)) * 4.0 + vec2f(0.5,0.5);
-var sums:vec4f = vec4f(0.0,0.0,0.0,0.0);
-var gatherCoC:vec2f = vec2f(0.0,0.0);
-for (var y:i32 = 0; y < 4; y++)
+let halves:BokehGrid=BokehReducedGrid(layers,2.0);
+let first:vec2f=floor(layers.uv*ceil(layers.size/8.0))*4.0+vec2f(0.5,0.5);
+var sums:vec4f=vec4f(0.0,0.0,0.0,0.0);
+var gatherCoC:vec2f=vec2f(0.0,0.0);
+for(var y:i32=0;y < 4;y++)
 {
-for (var x:i32 = 0; x < 4; x++)
+for(var x:i32=0;x < 4;x++)
 {
-let place:vec2f = first + vec2f(f32(x),f32(y));
-sums += BokehFetchGrid(SumsSamp,place,halves,BokehLinearClamp);
-gatherCoC = max(gatherCoC,BokehFetchGrid(GatherCoCSamp,place,halves,
+let place:vec2f=first+vec2f(f32(x),f32(y));
+sums+=BokehFetchGrid(SumsSamp,place,halves,BokehLinearClamp);
+gatherCoC=max(gatherCoC,BokehFetchGrid(GatherCoCSamp,place,halves,
 BokehLinearClamp).rg);
 }
 }
 var targets:BokehTileSums;
-targets.gatherCoC = vec4f(gatherCoC,0.0,1.0);
-targets.sums = sums / 16.0;
+targets.gatherCoC=vec4f(gatherCoC,0.0,1.0);
+targets.sums=sums/16.0;
 return targets;
 }
 fn BokehLayerCoCAlong(GatherCoCSamp:texture_2d<f32>,SumsSamp:texture_2d<f32>,
 DilatedTilesSamp:texture_2d<f32>,axis:vec2f,layers:BokehLayerContext,
-BokehLinearClamp:sampler) -> BokehTileSums
+BokehLinearClamp:sampler)->BokehTileSums
 {
-let grid:BokehGrid = BokehReducedGrid(layers,8.0);
-let tile:vec2f = BokehFetchGrid(DilatedTilesSamp,layers.uv * grid.size,grid,
+let grid:BokehGrid=BokehReducedGrid(layers,8.0);
+let tile:vec2f=BokehFetchGrid(DilatedTilesSamp,layers.uv*grid.size,grid,
 BokehLinearClamp).rg;
-let sigma:vec2f = max(tile * 0.0375,vec2f(0.6,0.6));
-let radius:f32 = BokehReachTiles(layers);
-var sums:vec4f = vec4f(0.0,0.0,0.0,0.0);
-var gatherCoC:vec2f = vec2f(0.0,0.0);
-var total:vec2f = vec2f(0.0,0.0);
-for (var i:i32 = 0; i < 255; i++)
+let sigma:vec2f=max(tile*0.0375,vec2f(0.6,0.6));
+let radius:f32=BokehReachTiles(layers);
+var sums:vec4f=vec4f(0.0,0.0,0.0,0.0);
+var gatherCoC:vec2f=vec2f(0.0,0.0);
+var total:vec2f=vec2f(0.0,0.0);
+for(var i:i32=0;i < 255;i++)
 {
-let tiles:f32 = f32(i) - radius;
-if (tiles > radius)
+let tiles:f32=f32(i)-radius;
+if(tiles > radius)
 {
 break;
 }
-let place:vec2f = layers.uv * grid.size + axis * tiles;
-let weight:vec2f = exp(-0.5 * tiles * tiles / (sigma * sigma));
-sums += BokehFetchGrid(SumsSamp,place,grid,BokehLinearClamp) * vec4f(weight.x,weight.x,
+let place:vec2f=layers.uv*grid.size+axis*tiles;
+let weight:vec2f=exp(-0.5*tiles*tiles/(sigma*sigma));
+sums+=BokehFetchGrid(SumsSamp,place,grid,BokehLinearClamp)*vec4f(weight.x,weight.x,
 weight.y,weight.y);
-gatherCoC = max(gatherCoC,BokehReaching(BokehFetchGrid(GatherCoCSamp,place,grid,
+gatherCoC=max(gatherCoC,BokehReaching(BokehFetchGrid(GatherCoCSamp,place,grid,
 BokehLinearClamp).rg,abs(tiles)));
-total += weight;
+total+=weight;
 }
 var targets:BokehTileSums;
-targets.gatherCoC = vec4f(gatherCoC,0.0,1.0);
-targets.sums = sums / vec4f(total.x,total.x,total.y,total.y);
+targets.gatherCoC=vec4f(gatherCoC,0.0,1.0);
+targets.sums=sums/vec4f(total.x,total.x,total.y,total.y);
 return targets;
 }
 fn BokehLayerCoCRows(GatherCoCSamp:texture_2d<f32>,SumsSamp:texture_2d<f32>,
 DilatedTilesSamp:texture_2d<f32>,layers:BokehLayerContext,
-BokehLinearClamp:sampler) -> BokehTileSums
+BokehLinearClamp:sampler)->BokehTileSums
 {
 return BokehLayerCoCAlong(GatherCoCSamp,SumsSamp,DilatedTilesSamp,vec2f(1.0,0.0),layers,
 BokehLinearClamp);
@@ -2967,32 +2967,32 @@ layerCoC:vec4f,
 }
 fn BokehLayerCoCColumns(GatherCoCSamp:texture_2d<f32>,SumsSamp:texture_2d<f32>,
 DilatedTilesSamp:texture_2d<f32>,layers:BokehLayerContext,
-BokehLinearClamp:sampler) -> BokehLayerCoCTargets
+BokehLinearClamp:sampler)->BokehLayerCoCTargets
 {
-let grid:BokehGrid = BokehReducedGrid(layers,8.0);
-let tile:vec2f = BokehFetchGrid(DilatedTilesSamp,layers.uv * grid.size,grid,
+let grid:BokehGrid=BokehReducedGrid(layers,8.0);
+let tile:vec2f=BokehFetchGrid(DilatedTilesSamp,layers.uv*grid.size,grid,
 BokehLinearClamp).rg;
-let tileSums:BokehTileSums = BokehLayerCoCAlong(GatherCoCSamp,SumsSamp,DilatedTilesSamp,
+let tileSums:BokehTileSums=BokehLayerCoCAlong(GatherCoCSamp,SumsSamp,DilatedTilesSamp,
 vec2f(0.0,1.0),layers,BokehLinearClamp);
-let sums:vec4f = tileSums.sums;
-var layerCoC:vec2f = vec2f(0.0,0.0);
-if (sums.g > 0.0001 && tile.r > 6.0)
+let sums:vec4f=tileSums.sums;
+var layerCoC:vec2f=vec2f(0.0,0.0);
+if(sums.g > 0.0001&&tile.r > 6.0)
 {
-layerCoC = vec2f(8.0 * sums.r / sums.g,0.0);
+layerCoC=vec2f(8.0*sums.r/sums.g,0.0);
 }
-if (sums.a > 0.0001 && tile.g > 10.0)
+if(sums.a > 0.0001&&tile.g > 10.0)
 {
-layerCoC = vec2f(layerCoC.x,8.0 * sums.b / sums.a);
+layerCoC=vec2f(layerCoC.x,8.0*sums.b/sums.a);
 }
 var targets:BokehLayerCoCTargets;
-targets.gatherTiles = vec4f(tile,tileSums.gatherCoC.rg);
-targets.layerCoC = vec4f(layerCoC,0.0,1.0);
+targets.gatherTiles=vec4f(tile,tileSums.gatherCoC.rg);
+targets.layerCoC=vec4f(layerCoC,0.0,1.0);
 return targets;
 }
 fn BokehLayerCoC(LayerCoCSamp:texture_2d<f32>,layers:BokehLayerContext,
-BokehLinearClamp:sampler) -> vec2f
+BokehLinearClamp:sampler)->vec2f
 {
-let place:vec2f = layers.uv * ceil(layers.size / 2.0) / 4.0;
+let place:vec2f=layers.uv*ceil(layers.size/2.0)/4.0;
 return BokehFetchGrid(LayerCoCSamp,place,BokehReducedGrid(layers,8.0),BokehLinearClamp).rg;
 }
 struct BokehBlur
@@ -3002,58 +3002,58 @@ spacing:f32,
 useQuarterLayer:bool,
 sideTap:f32,
 }
-fn BokehLayerBlur(layerCoC:vec2f,isFar:bool,polygon:BokehPolygon) -> BokehBlur
+fn BokehLayerBlur(layerCoC:vec2f,isFar:bool,polygon:BokehPolygon)->BokehBlur
 {
-var CoC:f32 = 0.5 * layerCoC.r;
-var minSpacing:f32 = 1.5;
-var selfBlur:f32 = 9.0;
-if (isFar)
+var CoC:f32=0.5*layerCoC.r;
+var minSpacing:f32=1.5;
+var selfBlur:f32=9.0;
+if(isFar)
 {
-CoC = 0.5 * layerCoC.g;
-minSpacing = 1.15;
-selfBlur = clamp(0.06 * CoC * CoC,7.5,22.0);
+CoC=0.5*layerCoC.g;
+minSpacing=1.15;
+selfBlur=clamp(0.06*CoC*CoC,7.5,22.0);
 }
-var spacing:f32 = 0.5 * CoC / f32(BOKEH_LAYER_SAMPLES);
-var hard:f32 = 0.4;
-if (polygon.sides < 6)
+var spacing:f32=0.5*CoC/f32(BOKEH_LAYER_SAMPLES);
+var hard:f32=0.4;
+if(polygon.sides < 6)
 {
-spacing = 0.354 * CoC / f32(BOKEH_LAYER_SAMPLES);
-hard = 0.2;
+spacing=0.354*CoC/f32(BOKEH_LAYER_SAMPLES);
+hard=0.2;
 }
 var blur:BokehBlur;
-blur.useQuarterLayer = spacing > minSpacing;
-blur.sideTap = 0.0;
-if (blur.useQuarterLayer)
+blur.useQuarterLayer=spacing > minSpacing;
+blur.sideTap=0.0;
+if(blur.useQuarterLayer)
 {
-blur.sideTap = clamp(0.25 * spacing - hard,0.0,0.6);
-selfBlur += 14.0 + 154.0 * blur.sideTap / (1.0 + 2.0 * blur.sideTap);
+blur.sideTap=clamp(0.25*spacing-hard,0.0,0.6);
+selfBlur+=14.0+154.0*blur.sideTap/(1.0+2.0*blur.sideTap);
 }
-blur.CoC = sqrt(max(CoC * CoC - selfBlur,0.25));
-blur.spacing = max(spacing,1.0);
+blur.CoC=sqrt(max(CoC*CoC-selfBlur,0.25));
+blur.spacing=max(spacing,1.0);
 return blur;
 }
 fn BokehQuarterLayer(LayerSamp:texture_2d<f32>,center:vec2f,side:f32,
-layers:BokehLayerContext,BokehLinearClamp:sampler) -> vec4f
+layers:BokehLayerContext,BokehLinearClamp:sampler)->vec4f
 {
-let halves:BokehGrid = BokehReducedGrid(layers,2.0);
-var sum:vec4f = vec4f(0.0,0.0,0.0,0.0);
-if (side > 0.0)
+let halves:BokehGrid=BokehReducedGrid(layers,2.0);
+var sum:vec4f=vec4f(0.0,0.0,0.0,0.0);
+if(side > 0.0)
 {
-for (var y:i32 = 0; y < 3; y++)
+for(var y:i32=0;y < 3;y++)
 {
-for (var x:i32 = 0; x < 3; x++)
+for(var x:i32=0;x < 3;x++)
 {
-let offset:vec2f = vec2f(f32(x) - 1.0,f32(y) - 1.0);
-let weight:vec2f = 1.0 - (1.0 - side) * abs(offset);
-sum += BokehFetchGrid(LayerSamp,center + 2.0 * offset,halves,BokehLinearClamp) *
-(weight.x * weight.y);
+let offset:vec2f=vec2f(f32(x)-1.0,f32(y)-1.0);
+let weight:vec2f=1.0-(1.0-side)*abs(offset);
+sum+=BokehFetchGrid(LayerSamp,center+2.0*offset,halves,BokehLinearClamp) *
+(weight.x*weight.y);
 }
 }
-sum = sum / ((1.0 + 2.0 * side) * (1.0 + 2.0 * side));
+sum=sum/((1.0+2.0*side)*(1.0+2.0*side));
 }
 else
 {
-sum = BokehFetchGrid(LayerSamp,center,halves,BokehLinearClamp);
+sum=BokehFetchGrid(LayerSamp,center,halves,BokehLinearClamp);
 }
 return sum;
 }
@@ -3066,59 +3066,59 @@ farQuarter:vec4f,
 }
 fn BokehDownsample(MapSamp:texture_2d<f32>,DilatedTilesSamp:texture_2d<f32>,
 NearSamp:texture_2d<f32>,FarSamp:texture_2d<f32>,LayerCoCSamp:texture_2d<f32>,
-polygon:BokehPolygon,layers:BokehLayerContext,BokehLinearClamp:sampler) -> BokehDownsampled
+polygon:BokehPolygon,layers:BokehLayerContext,BokehLinearClamp:sampler)->BokehDownsampled
 {
-let full:BokehGrid = BokehFullGrid(layers);
-let first:vec2f = floor(layers.uv * ceil(layers.size / 4.0)) * 4.0 + vec2f(0.5,0.5);
-let middlePlace:vec2f = first + vec2f(1.5,1.5);
-let tile:vec4f = BokehFetchGrid(DilatedTilesSamp,middlePlace / 8.0,BokehReducedGrid(layers,
+let full:BokehGrid=BokehFullGrid(layers);
+let first:vec2f=floor(layers.uv*ceil(layers.size/4.0))*4.0+vec2f(0.5,0.5);
+let middlePlace:vec2f=first+vec2f(1.5,1.5);
+let tile:vec4f=BokehFetchGrid(DilatedTilesSamp,middlePlace/8.0,BokehReducedGrid(layers,
 8.0),BokehLinearClamp);
-let nearSlope:f32 = BokehNearSlope(tile.r);
-let farSlope:f32 = BokehFarSlope(tile.g);
-let inverseBrightness:f32 = exp2(-tile.b);
-var mid:vec4f = vec4f(0.0,0.0,0.0,0.0);
-var far:vec4f = vec4f(0.0,0.0,0.0,0.0);
-for (var y:i32 = 0; y < 4; y++)
+let nearSlope:f32=BokehNearSlope(tile.r);
+let farSlope:f32=BokehFarSlope(tile.g);
+let inverseBrightness:f32=exp2(-tile.b);
+var mid:vec4f=vec4f(0.0,0.0,0.0,0.0);
+var far:vec4f=vec4f(0.0,0.0,0.0,0.0);
+for(var y:i32=0;y < 4;y++)
 {
-for (var x:i32 = 0; x < 4; x++)
+for(var x:i32=0;x < 4;x++)
 {
-let place:vec2f = first + vec2f(f32(x),f32(y));
-let pixel:vec4f = BokehFetchGrid(MapSamp,place,full,BokehLinearClamp);
-let s:f32 = pixel.a * full.size.y;
-let nearWeight:f32 = BokehLayerWeight(-s,nearSlope);
-let notNear:f32 = max(1.0 - 2.0 * nearWeight,0.0625 - 0.0625 * nearWeight);
-let farWeight:f32 = BokehLayerWeight(s,farSlope);
-let weight:f32 = notNear / (1.0 + BokehBrightest(pixel.rgb) * inverseBrightness);
-mid += vec4f(pixel.rgb,1.0) * (weight * (1.0 - farWeight));
-far += vec4f(pixel.rgb,1.0) * (weight * farWeight);
+let place:vec2f=first+vec2f(f32(x),f32(y));
+let pixel:vec4f=BokehFetchGrid(MapSamp,place,full,BokehLinearClamp);
+let s:f32=pixel.a*full.size.y;
+let nearWeight:f32=BokehLayerWeight(-s,nearSlope);
+let notNear:f32=max(1.0-2.0*nearWeight,0.0625-0.0625*nearWeight);
+let farWeight:f32=BokehLayerWeight(s,farSlope);
+let weight:f32=notNear/(1.0+BokehBrightest(pixel.rgb)*inverseBrightness);
+mid+=vec4f(pixel.rgb,1.0)*(weight*(1.0-farWeight));
+far+=vec4f(pixel.rgb,1.0)*(weight*farWeight);
 }
 }
-let center:vec2f = 0.5 * middlePlace;
-let layerCoC:vec2f = BokehLayerCoC(LayerCoCSamp,layers,BokehLinearClamp);
+let center:vec2f=0.5*middlePlace;
+let layerCoC:vec2f=BokehLayerCoC(LayerCoCSamp,layers,BokehLinearClamp);
 var targets:BokehDownsampled;
-targets.midWithHoles = mid / 16.0;
-targets.farWithHoles = far / 16.0;
-let nearBlur:BokehBlur = BokehLayerBlur(layerCoC,false,polygon);
-let farBlur:BokehBlur = BokehLayerBlur(layerCoC,true,polygon);
-targets.nearQuarter = BokehQuarterLayer(NearSamp,center,nearBlur.sideTap,layers,
+targets.midWithHoles=mid/16.0;
+targets.farWithHoles=far/16.0;
+let nearBlur:BokehBlur=BokehLayerBlur(layerCoC,false,polygon);
+let farBlur:BokehBlur=BokehLayerBlur(layerCoC,true,polygon);
+targets.nearQuarter=BokehQuarterLayer(NearSamp,center,nearBlur.sideTap,layers,
 BokehLinearClamp);
-targets.farQuarter = BokehQuarterLayer(FarSamp,center,farBlur.sideTap,layers,
+targets.farQuarter=BokehQuarterLayer(FarSamp,center,farBlur.sideTap,layers,
 BokehLinearClamp);
 return targets;
 }
-fn BokehEdgeDirection(k:i32,polygon:BokehPolygon) -> vec2f
+fn BokehEdgeDirection(k:i32,polygon:BokehPolygon)->vec2f
 {
-let outwards:vec2f = BokehTurn(f32(k),polygon);
+let outwards:vec2f=BokehTurn(f32(k),polygon);
 return BokehRotated(vec2f(-outwards.y,outwards.x),polygon.axis);
 }
-fn BokehSamplesPerEdge(ring:i32,polygon:BokehPolygon) -> i32
+fn BokehSamplesPerEdge(ring:i32,polygon:BokehPolygon)->i32
 {
-return i32(max(6.0 * f32(ring) / f32(polygon.sides) + 0.5,1.0));
+return i32(max(6.0*f32(ring)/f32(polygon.sides)+0.5,1.0));
 }
-fn BokehHoleWeights(middle:vec4f,far:vec4f,inverseBrightness:f32) -> vec2f
+fn BokehHoleWeights(middle:vec4f,far:vec4f,inverseBrightness:f32)->vec2f
 {
-return vec2f(middle.a + BokehBrightest(middle.rgb) * inverseBrightness,far.a +
-BokehBrightest(far.rgb) * inverseBrightness);
+return vec2f(middle.a+BokehBrightest(middle.rgb)*inverseBrightness,far.a +
+BokehBrightest(far.rgb)*inverseBrightness);
 }
 struct BokehFilled
 {
@@ -3127,183 +3127,183 @@ farFill:vec4f,
 }
 fn BokehHoleFill(MidSamp:texture_2d<f32>,FarSamp:texture_2d<f32>,
 DilatedTilesSamp:texture_2d<f32>,polygon:BokehPolygon,layers:BokehLayerContext,
-BokehLinearClamp:sampler) -> BokehFilled
+BokehLinearClamp:sampler)->BokehFilled
 {
-let grid:BokehGrid = BokehReducedGrid(layers,4.0);
-let center:vec2f = layers.uv * grid.size;
-let tile:vec4f = BokehFetchGrid(DilatedTilesSamp,center / 2.0,BokehReducedGrid(layers,8.0),
+let grid:BokehGrid=BokehReducedGrid(layers,4.0);
+let center:vec2f=layers.uv*grid.size;
+let tile:vec4f=BokehFetchGrid(DilatedTilesSamp,center/2.0,BokehReducedGrid(layers,8.0),
 BokehLinearClamp);
-let nearCoC:f32 = tile.r;
-let inverseBrightness:f32 = exp2(-tile.b);
-var corner:vec2f = BokehRotated(polygon.corner,polygon.axis);
-var direction:vec2f = BokehEdgeDirection(1,polygon);
-let turn:vec2f = BokehTurn(1.0,polygon);
-var mid:vec4f = BokehFetchGrid(MidSamp,center,grid,BokehLinearClamp);
-var far:vec4f = BokehFetchGrid(FarSamp,center,grid,BokehLinearClamp);
-var weights:vec2f = BokehHoleWeights(mid,far,inverseBrightness);
-for (var ring:i32 = 0; ring < 4; ring++)
+let nearCoC:f32=tile.r;
+let inverseBrightness:f32=exp2(-tile.b);
+var corner:vec2f=BokehRotated(polygon.corner,polygon.axis);
+var direction:vec2f=BokehEdgeDirection(1,polygon);
+let turn:vec2f=BokehTurn(1.0,polygon);
+var mid:vec4f=BokehFetchGrid(MidSamp,center,grid,BokehLinearClamp);
+var far:vec4f=BokehFetchGrid(FarSamp,center,grid,BokehLinearClamp);
+var weights:vec2f=BokehHoleWeights(mid,far,inverseBrightness);
+for(var ring:i32=0;ring < 4;ring++)
 {
-if (nearCoC < 6.0)
+if(nearCoC < 6.0)
 {
 break;
 }
-let diameter:f32 = max(nearCoC / 8.0,2.0) * exp2(f32(ring) - 2.0);
-let weight:f32 = 1.0 / (1.0 + 4.0 * diameter * diameter * diameter);
-let scale:vec2f = vec2f(polygon.squeeze * diameter,diameter);
-let onEdge:i32 = BokehSamplesPerEdge(1,polygon);
-for (var edge:i32 = 1; edge <= polygon.sides; edge++)
+let diameter:f32=max(nearCoC/8.0,2.0)*exp2(f32(ring)-2.0);
+let weight:f32=1.0/(1.0+4.0*diameter*diameter*diameter);
+let scale:vec2f=vec2f(polygon.squeeze*diameter,diameter);
+let onEdge:i32=BokehSamplesPerEdge(1,polygon);
+for(var edge:i32=1;edge <= polygon.sides;edge++)
 {
-let along:vec2f = direction * (BokehEdgeLength(edge,polygon) / f32(onEdge));
-for (var i:i32 = 0; i < onEdge; i++)
+let along:vec2f=direction*(BokehEdgeLength(edge,polygon)/f32(onEdge));
+for(var i:i32=0;i < onEdge;i++)
 {
-let place:vec2f = center + corner * scale;
-let midTexel:vec4f = BokehFetchGrid(MidSamp,place,grid,BokehLinearClamp);
-let farTexel:vec4f = BokehFetchGrid(FarSamp,place,grid,BokehLinearClamp);
-mid += midTexel * weight;
-far += farTexel * weight;
-weights += BokehHoleWeights(midTexel,farTexel,inverseBrightness) * weight;
-corner += along;
+let place:vec2f=center+corner*scale;
+let midTexel:vec4f=BokehFetchGrid(MidSamp,place,grid,BokehLinearClamp);
+let farTexel:vec4f=BokehFetchGrid(FarSamp,place,grid,BokehLinearClamp);
+mid+=midTexel*weight;
+far+=farTexel*weight;
+weights+=BokehHoleWeights(midTexel,farTexel,inverseBrightness)*weight;
+corner+=along;
 }
-direction = BokehRotated(direction,turn);
+direction=BokehRotated(direction,turn);
 }
 }
-let both:vec3f = (mid.rgb + far.rgb) / max(mid.a + far.a,0.000001);
-let midWeight:f32 = weights.r / max(weights.r + weights.g,0.000001);
+let both:vec3f=(mid.rgb+far.rgb)/max(mid.a+far.a,0.000001);
+let midWeight:f32=weights.r/max(weights.r+weights.g,0.000001);
 var targets:BokehFilled;
-targets.midFill = vec4f(both,midWeight);
-targets.farFill = vec4f(both,1.0);
-if (mid.a > 0.000001)
+targets.midFill=vec4f(both,midWeight);
+targets.farFill=vec4f(both,1.0);
+if(mid.a > 0.000001)
 {
-targets.midFill = vec4f(mid.rgb / mid.a,midWeight);
+targets.midFill=vec4f(mid.rgb/mid.a,midWeight);
 }
-if (far.a > 0.000001)
+if(far.a > 0.000001)
 {
-targets.farFill = vec4f(far.rgb / far.a,1.0);
+targets.farFill=vec4f(far.rgb/far.a,1.0);
 }
 return targets;
 }
 fn BokehLayerLine(tex:texture_2d<f32>,QuarterSamp:texture_2d<f32>,k:i32,polygon:BokehPolygon,
 secondPass:bool,blur:BokehBlur,layers:BokehLayerContext,
-BokehLinearClamp:sampler) -> vec4f
+BokehLinearClamp:sampler)->vec4f
 {
-var scale:f32 = 2.0;
-if (blur.useQuarterLayer)
+var scale:f32=2.0;
+if(blur.useQuarterLayer)
 {
-scale = 4.0;
+scale=4.0;
 }
-let grid:BokehGrid = BokehReducedGrid(layers,scale);
-let segment:vec4f = BokehEdgeLine(k,polygon,secondPass) * blur.CoC;
-let samples:f32 = max(2.0 * length(segment.zw) / blur.spacing,2.0);
-let phase:f32 = 0.5 + layers.jitter * min(blur.spacing - 1.0,1.0);
-let first:vec2f = (layers.uv * ceil(layers.size / 2.0) + segment.xy - segment.zw) * (2.0 /
+let grid:BokehGrid=BokehReducedGrid(layers,scale);
+let segment:vec4f=BokehEdgeLine(k,polygon,secondPass)*blur.CoC;
+let samples:f32=max(2.0*length(segment.zw)/blur.spacing,2.0);
+let phase:f32=0.5+layers.jitter*min(blur.spacing-1.0,1.0);
+let first:vec2f=(layers.uv*ceil(layers.size/2.0)+segment.xy-segment.zw)*(2.0 /
 scale);
-let sampleStep:vec2f = segment.zw * (4.0 / (scale * samples));
-var sum:vec4f = vec4f(0.0,0.0,0.0,0.0);
-for (var i:i32 = 0; i < i32(ceil(samples)); i++)
+let sampleStep:vec2f=segment.zw*(4.0/(scale*samples));
+var sum:vec4f=vec4f(0.0,0.0,0.0,0.0);
+for(var i:i32=0;i < i32(ceil(samples));i++)
 {
-let part:f32 = clamp(samples - f32(i),0.0,1.0);
-let place:vec2f = first + sampleStep * (f32(i) + part * phase);
-var texel:vec4f = vec4f(0.0,0.0,0.0,0.0);
-if (blur.useQuarterLayer)
+let part:f32=clamp(samples-f32(i),0.0,1.0);
+let place:vec2f=first+sampleStep*(f32(i)+part*phase);
+var texel:vec4f=vec4f(0.0,0.0,0.0,0.0);
+if(blur.useQuarterLayer)
 {
-texel = BokehFetchGrid(QuarterSamp,place,grid,BokehLinearClamp);
+texel=BokehFetchGrid(QuarterSamp,place,grid,BokehLinearClamp);
 }
 else
 {
-texel = BokehFetchGrid(tex,place,grid,BokehLinearClamp);
+texel=BokehFetchGrid(tex,place,grid,BokehLinearClamp);
 }
-sum += part * texel;
+sum+=part*texel;
 }
-sum = sum / samples;
-if (secondPass)
+sum=sum/samples;
+if(secondPass)
 {
-sum *= BokehEdgeArea(k,polygon);
+sum*=BokehEdgeArea(k,polygon);
 }
 return sum;
 }
 fn BokehLayerTarget(k:i32,polygon:BokehPolygon,L1:vec4f,L2:vec4f,L3:vec4f,
-L4:vec4f) -> vec4f
+L4:vec4f)->vec4f
 {
-let w:vec4f = BokehEdgeWeights(k,polygon);
-return (L1 * w.x + L2 * w.y + L3 * w.z + L4 * w.w) / (w.x + w.y + w.z + w.w);
+let w:vec4f=BokehEdgeWeights(k,polygon);
+return (L1*w.x+L2*w.y+L3*w.z+L4*w.w)/(w.x+w.y+w.z+w.w);
 }
 fn BokehLayerFirst(LayerSamp:texture_2d<f32>,QuarterSamp:texture_2d<f32>,layerCoC:vec2f,
 isFar:bool,last:i32,polygon:BokehPolygon,layers:BokehLayerContext,
-BokehLinearClamp:sampler) -> BokehTargets
+BokehLinearClamp:sampler)->BokehTargets
 {
-let center:vec2f = layers.uv * ceil(layers.size / 2.0);
-let zero:vec4f = vec4f(0.0,0.0,0.0,0.0);
+let center:vec2f=layers.uv*ceil(layers.size/2.0);
+let zero:vec4f=vec4f(0.0,0.0,0.0,0.0);
 var targets:BokehTargets;
-let blur:BokehBlur = BokehLayerBlur(layerCoC,isFar,polygon);
-if (blur.CoC > 0.51)
+let blur:BokehBlur=BokehLayerBlur(layerCoC,isFar,polygon);
+if(blur.CoC > 0.51)
 {
-var L2:vec4f = zero;
-var L3:vec4f = zero;
-var L4:vec4f = zero;
-let L1:vec4f = BokehLayerLine(LayerSamp,QuarterSamp,1,polygon,false,blur,layers,
+var L2:vec4f=zero;
+var L3:vec4f=zero;
+var L4:vec4f=zero;
+let L1:vec4f=BokehLayerLine(LayerSamp,QuarterSamp,1,polygon,false,blur,layers,
 BokehLinearClamp);
-if (last > 2)
+if(last > 2)
 {
-L2 = BokehLayerLine(LayerSamp,QuarterSamp,2,polygon,false,blur,layers,
-BokehLinearClamp);
-}
-if (last > 3)
-{
-L3 = BokehLayerLine(LayerSamp,QuarterSamp,3,polygon,false,blur,layers,
+L2=BokehLayerLine(LayerSamp,QuarterSamp,2,polygon,false,blur,layers,
 BokehLinearClamp);
 }
-if (last > 4)
+if(last > 3)
 {
-L4 = BokehLayerLine(LayerSamp,QuarterSamp,4,polygon,false,blur,layers,
+L3=BokehLayerLine(LayerSamp,QuarterSamp,3,polygon,false,blur,layers,
 BokehLinearClamp);
 }
-targets.strip2 = L1;
-targets.strip3 = BokehLayerTarget(3,polygon,L1,L2,zero,zero);
-targets.strip4 = BokehLayerTarget(4,polygon,L1,L2,L3,zero);
-targets.strip5 = BokehLayerTarget(5,polygon,L1,L2,L3,L4);
+if(last > 4)
+{
+L4=BokehLayerLine(LayerSamp,QuarterSamp,4,polygon,false,blur,layers,
+BokehLinearClamp);
+}
+targets.strip2=L1;
+targets.strip3=BokehLayerTarget(3,polygon,L1,L2,zero,zero);
+targets.strip4=BokehLayerTarget(4,polygon,L1,L2,L3,zero);
+targets.strip5=BokehLayerTarget(5,polygon,L1,L2,L3,L4);
 }
 else
 {
-targets.strip2 = BokehFetchGrid(LayerSamp,center,BokehReducedGrid(layers,2.0),
+targets.strip2=BokehFetchGrid(LayerSamp,center,BokehReducedGrid(layers,2.0),
 BokehLinearClamp);
-targets.strip3 = targets.strip2;
-targets.strip4 = targets.strip2;
-targets.strip5 = targets.strip2;
+targets.strip3=targets.strip2;
+targets.strip4=targets.strip2;
+targets.strip5=targets.strip2;
 }
 return targets;
 }
 fn BokehLayerSecond(Strip2Samp:texture_2d<f32>,Strip3Samp:texture_2d<f32>,
 Strip4Samp:texture_2d<f32>,Strip5Samp:texture_2d<f32>,layerCoC:vec2f,isFar:bool,
-polygon:BokehPolygon,layers:BokehLayerContext,BokehLinearClamp:sampler) -> vec4f
+polygon:BokehPolygon,layers:BokehLayerContext,BokehLinearClamp:sampler)->vec4f
 {
-let center:vec2f = layers.uv * ceil(layers.size / 2.0);
-var result:vec4f = vec4f(0.0,0.0,0.0,0.0);
-var blur:BokehBlur = BokehLayerBlur(layerCoC,isFar,polygon);
-blur.useQuarterLayer = false;
-if (blur.CoC > 0.51)
+let center:vec2f=layers.uv*ceil(layers.size/2.0);
+var result:vec4f=vec4f(0.0,0.0,0.0,0.0);
+var blur:BokehBlur=BokehLayerBlur(layerCoC,isFar,polygon);
+blur.useQuarterLayer=false;
+if(blur.CoC > 0.51)
 {
-result = BokehLayerLine(Strip2Samp,Strip2Samp,2,polygon,true,blur,layers,
+result=BokehLayerLine(Strip2Samp,Strip2Samp,2,polygon,true,blur,layers,
 BokehLinearClamp);
-if (polygon.sides > 4)
+if(polygon.sides > 4)
 {
-result += BokehLayerLine(Strip3Samp,Strip3Samp,3,polygon,true,blur,layers,
-BokehLinearClamp);
-}
-if (polygon.sides > 6)
-{
-result += BokehLayerLine(Strip4Samp,Strip4Samp,4,polygon,true,blur,layers,
+result+=BokehLayerLine(Strip3Samp,Strip3Samp,3,polygon,true,blur,layers,
 BokehLinearClamp);
 }
-if (polygon.sides > 8)
+if(polygon.sides > 6)
 {
-result += BokehLayerLine(Strip5Samp,Strip5Samp,5,polygon,true,blur,layers,
+result+=BokehLayerLine(Strip4Samp,Strip4Samp,4,polygon,true,blur,layers,
 BokehLinearClamp);
 }
-result = result / polygon.area;
+if(polygon.sides > 8)
+{
+result+=BokehLayerLine(Strip5Samp,Strip5Samp,5,polygon,true,blur,layers,
+BokehLinearClamp);
+}
+result=result/polygon.area;
 }
 else
 {
-result = BokehFetchGrid(Strip2Samp,center,BokehReducedGrid(layers,2.0),
+result=BokehFetchGrid(Strip2Samp,center,BokehReducedGrid(layers,2.0),
 BokehLinearClamp);
 }
 return result;
@@ -3318,18 +3318,18 @@ farStrip3:vec4f,
 fn BokehLayersFirst(NearSamp:texture_2d<f32>,NearQuarterSamp:texture_2d<f32>,
 FarSamp:texture_2d<f32>,FarQuarterSamp:texture_2d<f32>,layerCoC:vec2f,
 polygon:BokehPolygon,layers:BokehLayerContext,
-BokehLinearClamp:sampler) -> BokehLayersTargets
+BokehLinearClamp:sampler)->BokehLayersTargets
 {
-let last:i32 = polygon.sides / 2;
-let near:BokehTargets = BokehLayerFirst(NearSamp,NearQuarterSamp,layerCoC,false,last,
+let last:i32=polygon.sides/2;
+let near:BokehTargets=BokehLayerFirst(NearSamp,NearQuarterSamp,layerCoC,false,last,
 polygon,layers,BokehLinearClamp);
-let far:BokehTargets = BokehLayerFirst(FarSamp,FarQuarterSamp,layerCoC,true,last,polygon,
+let far:BokehTargets=BokehLayerFirst(FarSamp,FarQuarterSamp,layerCoC,true,last,polygon,
 layers,BokehLinearClamp);
 var targets:BokehLayersTargets;
-targets.nearStrip2 = near.strip2;
-targets.farStrip2 = far.strip2;
-targets.nearStrip3 = near.strip3;
-targets.farStrip3 = far.strip3;
+targets.nearStrip2=near.strip2;
+targets.farStrip2=far.strip2;
+targets.nearStrip3=near.strip3;
+targets.farStrip3=far.strip3;
 return targets;
 }
 struct BokehBlurred
@@ -3339,57 +3339,57 @@ far:vec4f,
 }
 fn BokehLayersSecond(NearStrip2Samp:texture_2d<f32>,FarStrip2Samp:texture_2d<f32>,
 NearStrip3Samp:texture_2d<f32>,FarStrip3Samp:texture_2d<f32>,layerCoC:vec2f,
-polygon:BokehPolygon,layers:BokehLayerContext,BokehLinearClamp:sampler) -> BokehBlurred
+polygon:BokehPolygon,layers:BokehLayerContext,BokehLinearClamp:sampler)->BokehBlurred
 {
 var targets:BokehBlurred;
-targets.near = BokehLayerSecond(NearStrip2Samp,NearStrip3Samp,NearStrip3Samp,NearStrip3Samp,
+targets.near=BokehLayerSecond(NearStrip2Samp,NearStrip3Samp,NearStrip3Samp,NearStrip3Samp,
 layerCoC,false,polygon,layers,BokehLinearClamp);
-targets.far = BokehLayerSecond(FarStrip2Samp,FarStrip3Samp,FarStrip3Samp,FarStrip3Samp,
+targets.far=BokehLayerSecond(FarStrip2Samp,FarStrip3Samp,FarStrip3Samp,FarStrip3Samp,
 layerCoC,true,polygon,layers,BokehLinearClamp);
 return targets;
 }
 fn BokehFetchLayer(LayerSamp:texture_2d<f32>,place:vec2f,halves:BokehGrid,
-BokehLinearClamp:sampler) -> vec4f
+BokehLinearClamp:sampler)->vec4f
 {
-var result:vec4f = vec4f(0.0,0.0,0.0,0.0);
-if (BOKEH_LAYER_CUBIC > 0)
+var result:vec4f=vec4f(0.0,0.0,0.0,0.0);
+if(BOKEH_LAYER_CUBIC > 0)
 {
-let texel:vec2f = floor(place - 0.5) + 0.5;
-let f:vec2f = place - texel;
-let w0:vec2f = f * (f * (1.0 - 0.5 * f) - 0.5);
-let w2:vec2f = f * (f * (2.0 - 1.5 * f) + 0.5);
-let w3:vec2f = f * f * (0.5 * f - 0.5);
-let w12:vec2f = 1.0 - w0 - w3;
-let inner:vec2f = texel + w2 / w12;
-let c:vec4f = BokehFetchGrid(LayerSamp,inner,halves,BokehLinearClamp);
-let l:vec4f = BokehFetchGrid(LayerSamp,vec2f(texel.x - 1.0,inner.y),halves,
+let texel:vec2f=floor(place-0.5)+0.5;
+let f:vec2f=place-texel;
+let w0:vec2f=f*(f*(1.0-0.5*f)-0.5);
+let w2:vec2f=f*(f*(2.0-1.5*f)+0.5);
+let w3:vec2f=f*f*(0.5*f-0.5);
+let w12:vec2f=1.0-w0-w3;
+let inner:vec2f=texel+w2/w12;
+let c:vec4f=BokehFetchGrid(LayerSamp,inner,halves,BokehLinearClamp);
+let l:vec4f=BokehFetchGrid(LayerSamp,vec2f(texel.x-1.0,inner.y),halves,
 BokehLinearClamp);
-let r:vec4f = BokehFetchGrid(LayerSamp,vec2f(texel.x + 2.0,inner.y),halves,
+let r:vec4f=BokehFetchGrid(LayerSamp,vec2f(texel.x+2.0,inner.y),halves,
 BokehLinearClamp);
-let t:vec4f = BokehFetchGrid(LayerSamp,vec2f(inner.x,texel.y - 1.0),halves,
+let t:vec4f=BokehFetchGrid(LayerSamp,vec2f(inner.x,texel.y-1.0),halves,
 BokehLinearClamp);
-let b:vec4f = BokehFetchGrid(LayerSamp,vec2f(inner.x,texel.y + 2.0),halves,
+let b:vec4f=BokehFetchGrid(LayerSamp,vec2f(inner.x,texel.y+2.0),halves,
 BokehLinearClamp);
-let side:vec2f = w12.yx / (w12.x * w12.y + (w0.x + w3.x) * w12.y + (w0.y + w3.y) * w12.x);
-let sum:vec4f = c * (w12.x * side.x) + l * (w0.x * side.x) + r * (w3.x * side.x) + t *
-(w0.y * side.y) + b * (w3.y * side.y);
-result = clamp(sum,min(min(c,min(l,r)),min(t,b)),max(max(c,max(l,r)),max(t,b)));
+let side:vec2f=w12.yx/(w12.x*w12.y+(w0.x+w3.x)*w12.y+(w0.y+w3.y)*w12.x);
+let sum:vec4f=c*(w12.x*side.x)+l*(w0.x*side.x)+r*(w3.x*side.x)+t *
+(w0.y*side.y)+b*(w3.y*side.y);
+result=clamp(sum,min(min(c,min(l,r)),min(t,b)),max(max(c,max(l,r)),max(t,b)));
 }
 else
 {
-result = BokehFetchGrid(LayerSamp,place,halves,BokehLinearClamp);
+result=BokehFetchGrid(LayerSamp,place,halves,BokehLinearClamp);
 }
 return result;
 }
-fn BokehSpreadInverse(CoC:vec2f) -> vec2f
+fn BokehSpreadInverse(CoC:vec2f)->vec2f
 {
-let inverse:vec2f = 1.0 / max(CoC * CoC,vec2f(0.000001,0.000001));
-return inverse * (inverse * 9.6 + 4.0);
+let inverse:vec2f=1.0/max(CoC*CoC,vec2f(0.000001,0.000001));
+return inverse*(inverse*9.6+4.0);
 }
-fn BokehRingBorder(ring:i32,radius:f32,spacing:f32,narrowing:f32) -> f32
+fn BokehRingBorder(ring:i32,radius:f32,spacing:f32,narrowing:f32)->f32
 {
-let even:f32 = spacing * (f32(ring) + 0.5);
-return max(even + even * (even / radius - 1.0) * narrowing,min(even,f32(ring) + 0.5));
+let even:f32=spacing*(f32(ring)+0.5);
+return max(even+even*(even/radius-1.0)*narrowing,min(even,f32(ring)+0.5));
 }
 struct BokehGather
 {
@@ -3406,265 +3406,265 @@ inner:f32,
 }
 fn BokehGatherRing(before:BokehGather,MapSamp:texture_2d<f32>,ring:i32,onEdge:i32,
 outer:f32,polygon:BokehPolygon,layers:BokehLayerContext,
-BokehLinearClamp:sampler) -> BokehGather
+BokehLinearClamp:sampler)->BokehGather
 {
-var gather:BokehGather = before;
-let full:BokehGrid = BokehFullGrid(layers);
-let zero:vec2f = vec2f(0.0,0.0);
-let one:vec2f = vec2f(1.0,1.0);
-let outwards:f32 = 0.58 - 0.04 * f32(BOKEH_LAYER_RINGS);
-let current:f32 = gather.inner + (outer - gather.inner) * outwards;
-let innerSquare:f32 = gather.inner * gather.inner;
-let area:f32 = outer * outer - innerSquare;
-var phase:f32 = layers.jitter * clamp(current / f32(ring) - 1.0,0.0,1.0);
-if (ring != 2 && onEdge == BokehSamplesPerEdge(1,polygon))
+var gather:BokehGather=before;
+let full:BokehGrid=BokehFullGrid(layers);
+let zero:vec2f=vec2f(0.0,0.0);
+let one:vec2f=vec2f(1.0,1.0);
+let outwards:f32=0.58-0.04*f32(BOKEH_LAYER_RINGS);
+let current:f32=gather.inner+(outer-gather.inner)*outwards;
+let innerSquare:f32=gather.inner*gather.inner;
+let area:f32=outer*outer-innerSquare;
+var phase:f32=layers.jitter*clamp(current/f32(ring)-1.0,0.0,1.0);
+if(ring != 2&&onEdge==BokehSamplesPerEdge(1,polygon))
 {
-phase += 0.5;
+phase+=0.5;
 }
-let right:vec2f = vec2f(polygon.axis.x * polygon.squeeze,polygon.axis.y) * current;
-let upwards:vec2f = vec2f(-polygon.axis.y * polygon.squeeze,polygon.axis.x) * current;
-var corner:vec2f = polygon.corner * 2.0;
-let turn:vec2f = BokehTurn(1.0,polygon);
-var direction:vec2f = vec2f(-turn.y,turn.x) * 2.0;
-for (var edge:i32 = 1; edge <= polygon.sides / 2; edge++)
+let right:vec2f=vec2f(polygon.axis.x*polygon.squeeze,polygon.axis.y)*current;
+let upwards:vec2f=vec2f(-polygon.axis.y*polygon.squeeze,polygon.axis.x)*current;
+var corner:vec2f=polygon.corner*2.0;
+let turn:vec2f=BokehTurn(1.0,polygon);
+var direction:vec2f=vec2f(-turn.y,turn.x)*2.0;
+for(var edge:i32=1;edge <= polygon.sides/2;edge++)
 {
-let alongEdge:vec2f = direction * BokehEdgeLength(edge,polygon);
-let along:vec2f = alongEdge / f32(onEdge);
-let cell:f32 = (corner.x * along.y - corner.y * along.x) / (8.0 * polygon.area);
-for (var i:i32 = 0; i < onEdge; i++)
+let alongEdge:vec2f=direction*BokehEdgeLength(edge,polygon);
+let along:vec2f=alongEdge/f32(onEdge);
+let cell:f32=(corner.x*along.y-corner.y*along.x)/(8.0*polygon.area);
+for(var i:i32=0;i < onEdge;i++)
 {
-let upright:vec2f = corner + along * (f32(i) + phase);
-let place:vec2f = right * upright.x + upwards * upright.y;
-let texel:vec2f = floor(place);
-let offset:vec2f = texel + clamp((place - texel) * (gather.snapping + 1.0) - 0.5 *
+let upright:vec2f=corner+along*(f32(i)+phase);
+let place:vec2f=right*upright.x+upwards*upright.y;
+let texel:vec2f=floor(place);
+let offset:vec2f=texel+clamp((place-texel)*(gather.snapping+1.0)-0.5 *
 gather.snapping,zero,one);
-let pixel:vec4f = BokehFetchAround(MapSamp,layers.uv,offset,full,BokehLinearClamp);
-let other:vec4f = BokehFetchAround(MapSamp,layers.uv,-offset,full,
+let pixel:vec4f=BokehFetchAround(MapSamp,layers.uv,offset,full,BokehLinearClamp);
+let other:vec4f=BokehFetchAround(MapSamp,layers.uv,-offset,full,
 BokehLinearClamp);
-let CoC:vec2f = vec2f(pixel.a,other.a) * full.size.y;
-let isBehind:vec2f = clamp(CoC * 2.0 - 2.0 * gather.s,zero,one) * (1.0 -
+let CoC:vec2f=vec2f(pixel.a,other.a)*full.size.y;
+let isBehind:vec2f=clamp(CoC*2.0-2.0*gather.s,zero,one)*(1.0 -
 gather.nearWeight);
-var inverse:vec2f = BokehSpreadInverse(CoC);
-inverse += (gather.inverse - inverse) * isBehind;
-inverse = clamp(inverse,gather.bounds.xx,gather.bounds.yy);
-var covers:vec2f = cell * max(min(1.0 - innerSquare * inverse,area * inverse),zero);
-let inFar:vec2f = covers * clamp(CoC * gather.slopes.y - 2.0,zero,one);
-covers = covers * (1.0 - clamp(CoC * -gather.slopes.x - 2.0,zero,one)) - inFar;
-gather.farFound += inFar.x + inFar.y;
-let part:vec4f = vec4f(pixel.rgb,1.0) * covers.x;
-let otherPart:vec4f = vec4f(other.rgb,1.0) * covers.y;
-gather.sum += part + otherPart;
-let isFront:vec2f = clamp(gather.s - 0.5 - CoC,zero,one);
-gather.front += part * isFront.x + otherPart * isFront.y;
+var inverse:vec2f=BokehSpreadInverse(CoC);
+inverse+=(gather.inverse-inverse)*isBehind;
+inverse=clamp(inverse,gather.bounds.xx,gather.bounds.yy);
+var covers:vec2f=cell*max(min(1.0-innerSquare*inverse,area*inverse),zero);
+let inFar:vec2f=covers*clamp(CoC*gather.slopes.y-2.0,zero,one);
+covers=covers*(1.0-clamp(CoC * -gather.slopes.x-2.0,zero,one))-inFar;
+gather.farFound+=inFar.x+inFar.y;
+let part:vec4f=vec4f(pixel.rgb,1.0)*covers.x;
+let otherPart:vec4f=vec4f(other.rgb,1.0)*covers.y;
+gather.sum+=part+otherPart;
+let isFront:vec2f=clamp(gather.s-0.5-CoC,zero,one);
+gather.front+=part*isFront.x+otherPart*isFront.y;
 }
-corner += alongEdge;
-direction = BokehRotated(direction,turn);
+corner+=alongEdge;
+direction=BokehRotated(direction,turn);
 }
-gather.inner = outer;
+gather.inner=outer;
 return gather;
 }
 fn BokehComposite(MapSamp:texture_2d<f32>,GatherTilesSamp:texture_2d<f32>,
 NearSamp:texture_2d<f32>,FarSamp:texture_2d<f32>,MidFillSamp:texture_2d<f32>,
 FarFillSamp:texture_2d<f32>,polygon:BokehPolygon,layers:BokehLayerContext,
-BokehLinearClamp:sampler) -> vec4f
+BokehLinearClamp:sampler)->vec4f
 {
-let full:BokehGrid = BokehFullGrid(layers);
-let center:vec2f = layers.uv * full.size;
-let centerPixel:vec4f = BokehFetchTexel(MapSamp,BokehToTexture(layers.uv));
-let tile:vec4f = BokehFetchGrid(GatherTilesSamp,center / 8.0,BokehReducedGrid(layers,8.0),
+let full:BokehGrid=BokehFullGrid(layers);
+let center:vec2f=layers.uv*full.size;
+let centerPixel:vec4f=BokehFetchTexel(MapSamp,BokehToTexture(layers.uv));
+let tile:vec4f=BokehFetchGrid(GatherTilesSamp,center/8.0,BokehReducedGrid(layers,8.0),
 BokehLinearClamp);
-var result:vec3f = centerPixel.rgb;
-if (max(tile.r,tile.g) > 1.0)
+var result:vec3f=centerPixel.rgb;
+if(max(tile.r,tile.g) > 1.0)
 {
 var gather:BokehGather;
-let s:f32 = centerPixel.a * full.size.y;
-gather.s = s;
-gather.slopes = vec2f(BokehNearSlope(tile.r),BokehFarSlope(tile.g));
-let nearWeight:f32 = BokehLayerWeight(-s,gather.slopes.x);
-let farWeight:f32 = BokehLayerWeight(s,gather.slopes.y);
-gather.nearWeight = nearWeight;
-gather.inverse = BokehSpreadInverse(vec2f(s,s)).x;
-let restRadius:f32 = clamp(16.0 - 16.0 * farWeight,0.0,1.0) * (1.0 - nearWeight) /
+let s:f32=centerPixel.a*full.size.y;
+gather.s=s;
+gather.slopes=vec2f(BokehNearSlope(tile.r),BokehFarSlope(tile.g));
+let nearWeight:f32=BokehLayerWeight(-s,gather.slopes.x);
+let farWeight:f32=BokehLayerWeight(s,gather.slopes.y);
+gather.nearWeight=nearWeight;
+gather.inverse=BokehSpreadInverse(vec2f(s,s)).x;
+let restRadius:f32=clamp(16.0-16.0*farWeight,0.0,1.0)*(1.0-nearWeight) /
 sqrt(gather.inverse);
-let radius:f32 = max(max(restRadius,0.01),0.5 * max(tile.b,tile.a * farWeight));
-let narrowing:f32 = clamp(radius / max(restRadius,1.0) - 1.0,0.0,1.0);
-var rings:f32 = f32(BOKEH_LAYER_RINGS);
-if (max(tile.g,tile.r + 4.0) <= 14.0 - 4.0 * f32(BOKEH_LAYER_CUBIC))
+let radius:f32=max(max(restRadius,0.01),0.5*max(tile.b,tile.a*farWeight));
+let narrowing:f32=clamp(radius/max(restRadius,1.0)-1.0,0.0,1.0);
+var rings:f32=f32(BOKEH_LAYER_RINGS);
+if(max(tile.g,tile.r+4.0) <= 14.0-4.0*f32(BOKEH_LAYER_CUBIC))
 {
-rings += 1.0;
+rings+=1.0;
 }
-let wideRings:f32 = min(radius / 3.0,f32(BOKEH_LAYER_RINGS) + 1.0);
-let denseRings:f32 = rings;
-rings = max(rings,wideRings);
-let spacing:f32 = max(min(radius / 1.499,1.0),radius / (rings + 0.499));
-gather.inner = BokehRingBorder(0,radius,spacing,narrowing);
-if (radius < 0.5)
+let wideRings:f32=min(radius/3.0,f32(BOKEH_LAYER_RINGS)+1.0);
+let denseRings:f32=rings;
+rings=max(rings,wideRings);
+let spacing:f32=max(min(radius/1.499,1.0),radius/(rings+0.499));
+gather.inner=BokehRingBorder(0,radius,spacing,narrowing);
+if(radius < 0.5)
 {
-gather.inner = radius;
+gather.inner=radius;
 }
-gather.bounds = 1.0 / vec2f(radius * radius,gather.inner * gather.inner);
-let weight:f32 = (1.0 - nearWeight) * min(gather.inverse / gather.bounds.y,1.0);
-gather.farFound = weight * farWeight;
-gather.sum = vec4f(centerPixel.rgb,1.0) * (weight - gather.farFound);
-gather.front = vec4f(0.0,0.0,0.0,0.0);
-let edges:f32 = max(tile.r,tile.g - 16.0);
-gather.snapping = 3.75 * clamp(edges / 5.0,0.0,1.0) + 100.0 * clamp((edges - 10.0) / 16.0,
+gather.bounds=1.0/vec2f(radius*radius,gather.inner*gather.inner);
+let weight:f32=(1.0-nearWeight)*min(gather.inverse/gather.bounds.y,1.0);
+gather.farFound=weight*farWeight;
+gather.sum=vec4f(centerPixel.rgb,1.0)*(weight-gather.farFound);
+gather.front=vec4f(0.0,0.0,0.0,0.0);
+let edges:f32=max(tile.r,tile.g-16.0);
+gather.snapping=3.75*clamp(edges/5.0,0.0,1.0)+100.0*clamp((edges-10.0)/16.0,
 0.0,1.0);
-var lastInner:f32 = radius;
-if (wideRings > denseRings)
+var lastInner:f32=radius;
+if(wideRings > denseRings)
 {
-lastInner = min(BokehRingBorder(BOKEH_LAYER_RINGS,radius,spacing,narrowing),radius);
+lastInner=min(BokehRingBorder(BOKEH_LAYER_RINGS,radius,spacing,narrowing),radius);
 }
-var denseInner:f32 = gather.inner;
-for (var sparse:i32 = 0; sparse < 2; sparse++)
+var denseInner:f32=gather.inner;
+for(var sparse:i32=0;sparse < 2;sparse++)
 {
-var ring:i32 = 1 + sparse * BOKEH_LAYER_RINGS;
-if (sparse > 0)
+var ring:i32=1+sparse*BOKEH_LAYER_RINGS;
+if(sparse > 0)
 {
-denseInner = gather.inner;
-gather.inner = lastInner;
+denseInner=gather.inner;
+gather.inner=lastInner;
 }
-if (gather.inner >= radius)
+if(gather.inner >= radius)
 {
 break;
 }
-let outer:f32 = min(BokehRingBorder(ring,radius,spacing,narrowing),radius);
-gather = BokehGatherRing(gather,MapSamp,ring,BokehSamplesPerEdge(1,polygon),outer,
+let outer:f32=min(BokehRingBorder(ring,radius,spacing,narrowing),radius);
+gather=BokehGatherRing(gather,MapSamp,ring,BokehSamplesPerEdge(1,polygon),outer,
 polygon,layers,BokehLinearClamp);
 }
-gather.inner = denseInner;
-for (var ring:i32 = 2; ring <= BOKEH_LAYER_RINGS + 1; ring++)
+gather.inner=denseInner;
+for(var ring:i32=2;ring <= BOKEH_LAYER_RINGS+1;ring++)
 {
-if (gather.inner >= lastInner)
+if(gather.inner >= lastInner)
 {
 break;
 }
-let outer:f32 = min(BokehRingBorder(ring,radius,spacing,narrowing),lastInner);
-var onEdge:i32 = BokehSamplesPerEdge(BOKEH_LAYER_RINGS,polygon);
-if (BOKEH_LAYER_RINGS > 2)
+let outer:f32=min(BokehRingBorder(ring,radius,spacing,narrowing),lastInner);
+var onEdge:i32=BokehSamplesPerEdge(BOKEH_LAYER_RINGS,polygon);
+if(BOKEH_LAYER_RINGS > 2)
 {
-onEdge = BokehSamplesPerEdge(min(ring,BOKEH_LAYER_RINGS),polygon);
+onEdge=BokehSamplesPerEdge(min(ring,BOKEH_LAYER_RINGS),polygon);
 }
-gather = BokehGatherRing(gather,MapSamp,ring,onEdge,outer,polygon,layers,
+gather=BokehGatherRing(gather,MapSamp,ring,onEdge,outer,polygon,layers,
 BokehLinearClamp);
 }
-var nearLayer:vec4f = vec4f(0.0,0.0,0.0,0.0);
-var farLayer:vec4f = vec4f(0.0,0.0,0.0,0.0);
-let halves:BokehGrid = BokehReducedGrid(layers,2.0);
-if (tile.r > 6.0)
+var nearLayer:vec4f=vec4f(0.0,0.0,0.0,0.0);
+var farLayer:vec4f=vec4f(0.0,0.0,0.0,0.0);
+let halves:BokehGrid=BokehReducedGrid(layers,2.0);
+if(tile.r > 6.0)
 {
-nearLayer = BokehFetchLayer(NearSamp,0.5 * center,halves,BokehLinearClamp);
+nearLayer=BokehFetchLayer(NearSamp,0.5*center,halves,BokehLinearClamp);
 }
-if (tile.g > 10.0)
+if(tile.g > 10.0)
 {
-farLayer = BokehFetchLayer(FarSamp,0.5 * center,halves,BokehLinearClamp);
+farLayer=BokehFetchLayer(FarSamp,0.5*center,halves,BokehLinearClamp);
 }
-let sum:vec4f = gather.sum + farLayer * (gather.farFound * (1.0 - max(farWeight,
-nearWeight)) / max(farLayer.a,0.001));
-let plain:vec4f = sum + farLayer * farWeight;
-if (plain.a >= 0.001)
+let sum:vec4f=gather.sum+farLayer*(gather.farFound*(1.0-max(farWeight,
+nearWeight))/max(farLayer.a,0.001));
+let plain:vec4f=sum+farLayer*farWeight;
+if(plain.a >= 0.001)
 {
-let rest:f32 = plain.a - gather.front.a;
-let open:f32 = max(1.0 - gather.front.a,0.0) / max(rest,0.1);
-result = (gather.front.rgb + (plain.rgb - gather.front.rgb) * open) / max(gather.front.a
-+ rest * open,0.001);
+let rest:f32=plain.a-gather.front.a;
+let open:f32=max(1.0-gather.front.a,0.0)/max(rest,0.1);
+result=(gather.front.rgb+(plain.rgb-gather.front.rgb)*open)/max(gather.front.a
++ rest*open,0.001);
 }
-if (nearWeight > 0.0)
+if(nearWeight > 0.0)
 {
-let quarters:BokehGrid = BokehReducedGrid(layers,4.0);
-let midFill:vec4f = BokehFetchGrid(MidFillSamp,0.25 * center,quarters,
+let quarters:BokehGrid=BokehReducedGrid(layers,4.0);
+let midFill:vec4f=BokehFetchGrid(MidFillSamp,0.25*center,quarters,
 BokehLinearClamp);
-let farFill:vec4f = BokehFetchGrid(FarFillSamp,0.25 * center,quarters,
+let farFill:vec4f=BokehFetchGrid(FarFillSamp,0.25*center,quarters,
 BokehLinearClamp);
-let inNear:f32 = nearLayer.a * min(2.0 - 2.0 * nearWeight,1.0);
-let empty:f32 = max(1.0 - sum.a - inNear,0.0);
-let cover:f32 = empty * clamp((midFill.a - 0.3) / 0.4,0.0,1.0);
-let missing:f32 = max(1.0 - 2.0 * farLayer.a,0.0);
-let background:vec3f = farLayer.rgb * ((1.0 - missing) / max(farLayer.a,0.000001)) +
-farFill.rgb * missing;
-let stack:vec3f = (sum.rgb + midFill.rgb * cover + background * (empty - cover)) /
-max(sum.a + empty,0.000001);
-result += (stack - result) * nearWeight;
+let inNear:f32=nearLayer.a*min(2.0-2.0*nearWeight,1.0);
+let empty:f32=max(1.0-sum.a-inNear,0.0);
+let cover:f32=empty*clamp((midFill.a-0.3)/0.4,0.0,1.0);
+let missing:f32=max(1.0-2.0*farLayer.a,0.0);
+let background:vec3f=farLayer.rgb*((1.0-missing)/max(farLayer.a,0.000001)) +
+farFill.rgb*missing;
+let stack:vec3f=(sum.rgb+midFill.rgb*cover+background*(empty-cover)) /
+max(sum.a+empty,0.000001);
+result+=(stack-result)*nearWeight;
 }
-let alpha:f32 = clamp(nearLayer.a * 1.002,0.0,1.0);
-result = result * (1.0 - alpha) + nearLayer.rgb * (alpha / max(nearLayer.a,0.000001));
+let alpha:f32=clamp(nearLayer.a*1.002,0.0,1.0);
+result=result*(1.0-alpha)+nearLayer.rgb*(alpha/max(nearLayer.a,0.000001));
 }
 return vec4f(result,centerPixel.a);
 }
 `,
   bokeh_lens: `
-fn BokehUpdatePolygon(polygon:BokehPolygon) -> BokehPolygon
+fn BokehUpdatePolygon(polygon:BokehPolygon)->BokehPolygon
 {
-var closed:BokehPolygon = polygon;
-closed.mean = vec2f(0.0,0.0);
-closed.area = 0.0;
-var begin:vec2f = vec2f(0.0,0.0);
-for (var i:i32 = 1; i <= polygon.sides / 2; i++)
+var closed:BokehPolygon=polygon;
+closed.mean=vec2f(0.0,0.0);
+closed.area=0.0;
+var begin:vec2f=vec2f(0.0,0.0);
+for(var i:i32=1;i <= polygon.sides/2;i++)
 {
-let edge:vec2f = BokehEdge(i,polygon);
-if (i < polygon.sides / 2)
+let edge:vec2f=BokehEdge(i,polygon);
+if(i < polygon.sides/2)
 {
-closed.mean += (begin + edge * 0.5) / (0.5 * f32(polygon.sides) - 1.0);
+closed.mean+=(begin+edge*0.5)/(0.5*f32(polygon.sides)-1.0);
 }
-closed.area += begin.x * edge.y - begin.y * edge.x;
-begin += edge;
+closed.area+=begin.x*edge.y-begin.y*edge.x;
+begin+=edge;
 }
-closed.corner = begin * -0.5;
-closed.mean += closed.corner;
+closed.corner=begin * -0.5;
+closed.mean+=closed.corner;
 return closed;
 }
-fn BokehWithRoundness(polygon:BokehPolygon,roundness:f32) -> BokehPolygon
+fn BokehWithRoundness(polygon:BokehPolygon,roundness:f32)->BokehPolygon
 {
-var result:BokehPolygon = polygon;
-if (polygon.sides == 8)
+var result:BokehPolygon=polygon;
+if(polygon.sides==8)
 {
-let corner:f32 = 0.39269908 * clamp(roundness,0.0,1.0);
-let odd:f32 = sin(max(corner,0.001));
-let even:f32 = sin(0.78539816 - corner);
-result.lengths = vec4f(odd,even,odd,even);
-result = BokehUpdatePolygon(result);
+let corner:f32=0.39269908*clamp(roundness,0.0,1.0);
+let odd:f32=sin(max(corner,0.001));
+let even:f32=sin(0.78539816-corner);
+result.lengths=vec4f(odd,even,odd,even);
+result=BokehUpdatePolygon(result);
 }
 return result;
 }
-fn BokehHalfWidth(k:i32,polygon:BokehPolygon,along:vec2f) -> f32
+fn BokehHalfWidth(k:i32,polygon:BokehPolygon,along:vec2f)->f32
 {
-var width:f32 = 0.0;
-for (var i:i32 = 1; i <= polygon.sides / 2; i++)
+var width:f32=0.0;
+for(var i:i32=1;i <= polygon.sides/2;i++)
 {
-width += abs(BokehTurn(f32(i - k),polygon).y) * BokehEdgeLength(i,polygon);
+width+=abs(BokehTurn(f32(i-k),polygon).y)*BokehEdgeLength(i,polygon);
 }
-return 0.5 * width * (1.0 - abs(dot(along,BokehTurn(f32(k),polygon))));
+return 0.5*width*(1.0-abs(dot(along,BokehTurn(f32(k),polygon))));
 }
-fn BokehCutLength(k:i32,widths:BokehPolygon) -> f32
+fn BokehCutLength(k:i32,widths:BokehPolygon)->f32
 {
-let halfWidth:f32 = BokehEdgeLength(k,widths);
-let edges:i32 = widths.sides / 2;
-var ends:vec2f = vec2f(1.0,1.0);
-for (var i:i32 = 1; i < edges; i++)
+let halfWidth:f32=BokehEdgeLength(k,widths);
+let edges:i32=widths.sides/2;
+var ends:vec2f=vec2f(1.0,1.0);
+for(var i:i32=1;i < edges;i++)
 {
-let turn:vec2f = BokehTurn(f32(i),widths);
-let others:vec2f = vec2f(BokehEdgeLength(k - i + edges,widths),BokehEdgeLength(k + i,
+let turn:vec2f=BokehTurn(f32(i),widths);
+let others:vec2f=vec2f(BokehEdgeLength(k-i+edges,widths),BokehEdgeLength(k+i,
 widths));
-ends = min(ends,(others - halfWidth * turn.x) / turn.y);
+ends=min(ends,(others-halfWidth*turn.x)/turn.y);
 }
-return max(ends.x + ends.y,0.001);
+return max(ends.x+ends.y,0.001);
 }
-fn BokehWithCatsEye(polygon:BokehPolygon,uv:vec2f,imageSize:vec2f,amount:f32) -> BokehPolygon
+fn BokehWithCatsEye(polygon:BokehPolygon,uv:vec2f,imageSize:vec2f,amount:f32)->BokehPolygon
 {
-let place:vec2f = (uv - 0.5) * 2.0 * imageSize / length(imageSize);
-let along:vec2f = BokehRotated(place,vec2f(polygon.axis.x,-polygon.axis.y)) * clamp(amount,
+let place:vec2f=(uv-0.5)*2.0*imageSize/length(imageSize);
+let along:vec2f=BokehRotated(place,vec2f(polygon.axis.x,-polygon.axis.y))*clamp(amount,
 0.0,0.9);
-var whole:BokehPolygon = polygon;
-whole.lengths *= clamp((polygon.lengths - 0.001) * 100000.0,vec4f(0.0,0.0,0.0,0.0),
+var whole:BokehPolygon=polygon;
+whole.lengths*=clamp((polygon.lengths-0.001)*100000.0,vec4f(0.0,0.0,0.0,0.0),
 vec4f(1.0,1.0,1.0,1.0));
-var widths:BokehPolygon = polygon;
-widths.lengths = vec4f(BokehHalfWidth(1,whole,along),BokehHalfWidth(2,whole,along),
+var widths:BokehPolygon=polygon;
+widths.lengths=vec4f(BokehHalfWidth(1,whole,along),BokehHalfWidth(2,whole,along),
 BokehHalfWidth(3,whole,along),BokehHalfWidth(4,whole,along));
-widths.fifth = BokehHalfWidth(5,whole,along);
-var result:BokehPolygon = polygon;
-result.lengths = vec4f(BokehCutLength(1,widths),BokehCutLength(2,widths),BokehCutLength(3,
+widths.fifth=BokehHalfWidth(5,whole,along);
+var result:BokehPolygon=polygon;
+result.lengths=vec4f(BokehCutLength(1,widths),BokehCutLength(2,widths),BokehCutLength(3,
 widths),BokehCutLength(4,widths));
-result.fifth = BokehCutLength(5,widths);
+result.fifth=BokehCutLength(5,widths);
 return BokehUpdatePolygon(result);
 }
 struct BokehFocus
@@ -3673,58 +3673,58 @@ sharpRange:vec2f,
 sideScale:vec2f,
 sideMaxCoC:vec2f,
 }
-fn BokehFocusedCoC(depth:f32,lens:BokehLens,focus:BokehFocus) -> f32
+fn BokehFocusedCoC(depth:f32,lens:BokehLens,focus:BokehFocus)->f32
 {
-let middle:f32 = min(lens.focusDistance,BOKEH_MAX_DEPTH);
-var nearest:BokehLens = lens;
-nearest.focusDistance = clamp(depth,middle - focus.sharpRange.x,middle + focus.sharpRange.y);
-let CoC:f32 = BokehSignedCoC(depth,nearest);
-return clamp(min(CoC,0.0) * focus.sideScale.x + max(CoC,0.0) * focus.sideScale.y,
+let middle:f32=min(lens.focusDistance,BOKEH_MAX_DEPTH);
+var nearest:BokehLens=lens;
+nearest.focusDistance=clamp(depth,middle-focus.sharpRange.x,middle+focus.sharpRange.y);
+let CoC:f32=BokehSignedCoC(depth,nearest);
+return clamp(min(CoC,0.0)*focus.sideScale.x+max(CoC,0.0)*focus.sideScale.y,
 -focus.sideMaxCoC.x,focus.sideMaxCoC.y);
 }
 fn BokehStableMap(MapSamp:texture_2d<f32>,HistorySamp:texture_2d<f32>,
 VelocitySamp:texture_2d<f32>,uv:vec2f,imageSize:vec2f,blend:f32,
-BokehLinearClamp:sampler) -> vec4f
+BokehLinearClamp:sampler)->vec4f
 {
-var pixel:vec4f = BokehFetchTexel(MapSamp,BokehToTexture(uv));
-var nearest:f32 = pixel.a;
-for (var y:i32 = 0; y < 3; y++)
+var pixel:vec4f=BokehFetchTexel(MapSamp,BokehToTexture(uv));
+var nearest:f32=pixel.a;
+for(var y:i32=0;y < 3;y++)
 {
-for (var x:i32 = 0; x < 3; x++)
+for(var x:i32=0;x < 3;x++)
 {
-let place:vec2f = uv + (vec2f(f32(x),f32(y)) - 1.0) / imageSize;
-nearest = min(nearest,BokehFetchTexel(MapSamp,BokehToTexture(place)).a);
+let place:vec2f=uv+(vec2f(f32(x),f32(y))-1.0)/imageSize;
+nearest=min(nearest,BokehFetchTexel(MapSamp,BokehToTexture(place)).a);
 }
 }
-let velocity:vec2f = BokehFetchTexel(VelocitySamp,BokehToTexture(uv)).rg;
-let before:vec2f = uv - vec2f(BokehSanitize(velocity.x,-2.0,2.0),BokehSanitize(velocity.y,
+let velocity:vec2f=BokehFetchTexel(VelocitySamp,BokehToTexture(uv)).rg;
+let before:vec2f=uv-vec2f(BokehSanitize(velocity.x,-2.0,2.0),BokehSanitize(velocity.y,
 -2.0,2.0));
-let history:f32 = BokehSanitize(BokehFetch(HistorySamp,before,BokehLinearClamp).a,nearest,
+let history:f32=BokehSanitize(BokehFetch(HistorySamp,before,BokehLinearClamp).a,nearest,
 pixel.a);
-if (max(abs(before.x - 0.5),abs(before.y - 0.5)) <= 0.5)
+if(max(abs(before.x-0.5),abs(before.y-0.5)) <= 0.5)
 {
-pixel += vec4f(0.0,0.0,0.0,(history - pixel.a) * clamp(1.0 - blend,0.0,1.0));
+pixel+=vec4f(0.0,0.0,0.0,(history-pixel.a)*clamp(1.0-blend,0.0,1.0));
 }
 return pixel;
 }
 fn BokehLateralColor(PictureSamp:texture_2d<f32>,uv:vec2f,amount:f32,
-BokehLinearClamp:sampler) -> vec4f
+BokehLinearClamp:sampler)->vec4f
 {
-let larger:f32 = clamp(amount,-0.1,0.1);
-let place:vec2f = uv - 0.5;
-let green:vec4f = BokehFetch(PictureSamp,uv,BokehLinearClamp);
-let red:f32 = BokehFetch(PictureSamp,place / (1.0 + larger) + 0.5,BokehLinearClamp).r;
-let blue:f32 = BokehFetch(PictureSamp,place / (1.0 - larger) + 0.5,BokehLinearClamp).b;
+let larger:f32=clamp(amount,-0.1,0.1);
+let place:vec2f=uv-0.5;
+let green:vec4f=BokehFetch(PictureSamp,uv,BokehLinearClamp);
+let red:f32=BokehFetch(PictureSamp,place/(1.0+larger)+0.5,BokehLinearClamp).r;
+let blue:f32=BokehFetch(PictureSamp,place/(1.0-larger)+0.5,BokehLinearClamp).b;
 return vec4f(red,green.g,blue,green.a);
 }
 `,
   noise: `
-fn BokehNoise(uv:vec2f,imageSize:vec2f,frame:f32,passIndex:f32) -> f32
+fn BokehNoise(uv:vec2f,imageSize:vec2f,frame:f32,passIndex:f32)->f32
 {
-let number:f32 = (8.0 * passIndex + 1.0) * (frame - 64.0 * floor(frame / 64.0)) + passIndex;
-let seed:f32 = dot(floor(uv * imageSize),vec2f(0.06711056,0.00583715));
-let value:f32 = 52.9829189 * (seed - floor(seed)) + 0.515625 * number;
-return value - floor(value) - 0.5;
+let number:f32=(8.0*passIndex+1.0)*(frame-64.0*floor(frame/64.0))+passIndex;
+let seed:f32=dot(floor(uv*imageSize),vec2f(0.06711056,0.00583715));
+let value:f32=52.9829189*(seed-floor(seed))+0.515625*number;
+return value-floor(value)-0.5;
 }
 `,
 };

@@ -212,8 +212,15 @@ def _code(text: str) -> Iterator[str]:
 
 
 def _compact(line: str) -> str:
-    """Return a line of code without the spaces after commas and colons, since pages download it."""
-    return line if line.startswith("#") else re.sub(r"(?<=[,:]) ", "", line)
+    """Return a line of code with no spaces that the language does not need: pages download it.
+
+    Preprocessor lines, and in WGSL the lines whose values the classes replace, stay as they are.
+    """
+    if line.startswith(("#", "override", "alias")):
+        return line
+    line = re.sub(r"\b(if|for) \(", r"\1(", re.sub(r"(?<=[,:;]) ", "", line))
+    # not before a minus: a - -b
+    return re.sub(r" ([-+*/=]=?|&&|->) (?=[\w(])", r"\1", line)
 
 
 def rust_shaders() -> str:
