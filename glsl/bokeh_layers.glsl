@@ -424,8 +424,8 @@ BokehPrefiltered BokehPrefilter(BOKEH_TEXTURE MapSamp, BOKEH_TEXTURE DilatedTile
             for (int x = 0; x < 4; x++)
             {
                 vec2 offset = vec2(float(x) - 1.5, float(y) - 1.5);
-                // only the eight pixels that share an edge with those four
-                if (abs(abs(offset.x) + abs(offset.y) - 2.0) < 0.5)
+                // four of the twelve pixels around those, one at each edge
+                if ((abs(offset.x) - abs(offset.y)) * offset.x * offset.y > 0.5)
                 {
                     vec4 pixel = BokehFetchGrid(MapSamp, middle + offset, full);
                     around = BokehSurroundings(around, pixel, BokehLayerWeight(-pixel.a *
@@ -752,9 +752,9 @@ struct BokehFilled
 
 // Layers: fills the holes that near objects leave in the background, from what is around them
 //   Reads midWithHoles, farWithHoles and dilatedTiles, and writes both without holes. Around each
-//   texel lie four rings, and the nearest background has by far the highest weight:
+//   texel lie three rings, and the nearest background has by far the highest weight:
 //
-//      o    o    o      ring diameters are 1/8, 1/4, 1/2 and 1 of the largest near CoC in reach;
+//      o    o    o      ring diameters are 1/8, 1/4 and 1/2 of the largest near CoC in reach;
 //        o o o          a texel at a ring's diameter d has the weight 1 / (1 + 4 d^3),
 //      o o x o o        times its own weight, which is 0 in a hole
 //        o o o
@@ -774,7 +774,7 @@ BokehFilled BokehHoleFill(BOKEH_TEXTURE MidSamp, BOKEH_TEXTURE FarSamp,
     vec4 mid = BokehFetchGrid(MidSamp, center, grid);
     vec4 far = BokehFetchGrid(FarSamp, center, grid);
     vec2 weights = BokehHoleWeights(mid, far, inverseBrightness);
-    for (int ring = 0; ring < 4; ring++)
+    for (int ring = 0; ring < 3; ring++)
     {
         // no near layer, no holes
         if (nearCoC < 6.0)
@@ -1208,6 +1208,11 @@ vec4 BokehComposite(BOKEH_TEXTURE MapSamp, BOKEH_TEXTURE GatherTilesSamp, BOKEH_
         // a gather that reaches far has one more ring, of few samples: with wider gaps between
         // the rings, a thin bright line would show as a row of copies
         float wideRings = min(radius / 3.0, float(BOKEH_LAYER_RINGS) + 1.0);
+        if (nearWeight > 0.0)
+        {
+            // the near layer covers this pixel, at least in part, and fills show behind it
+            wideRings = 0.0;
+        }
         float denseRings = rings;
         rings = max(rings, wideRings);
         // rings closer than a pixel find nothing new; .499: the last ends at the radius

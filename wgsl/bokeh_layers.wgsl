@@ -396,8 +396,8 @@ fn BokehPrefilter(MapSamp: texture_2d<f32>, DilatedTilesSamp: texture_2d<f32>,
             for (var x: i32 = 0; x < 4; x++)
             {
                 let offset: vec2f = vec2f(f32(x) - 1.5, f32(y) - 1.5);
-                // only the eight pixels that share an edge with those four
-                if (abs(abs(offset.x) + abs(offset.y) - 2.0) < 0.5)
+                // four of the twelve pixels around those, one at each edge
+                if ((abs(offset.x) - abs(offset.y)) * offset.x * offset.y > 0.5)
                 {
                     let pixel: vec4f = BokehFetchGrid(MapSamp, middle + offset, full,
                         BokehLinearClamp);
@@ -738,9 +738,9 @@ struct BokehFilled
 
 // Layers: fills the holes that near objects leave in the background, from what is around them
 //   Reads midWithHoles, farWithHoles and dilatedTiles, and writes both without holes. Around each
-//   texel lie four rings, and the nearest background has by far the highest weight:
+//   texel lie three rings, and the nearest background has by far the highest weight:
 //
-//      o    o    o      ring diameters are 1/8, 1/4, 1/2 and 1 of the largest near CoC in reach;
+//      o    o    o      ring diameters are 1/8, 1/4 and 1/2 of the largest near CoC in reach;
 //        o o o          a texel at a ring's diameter d has the weight 1 / (1 + 4 d^3),
 //      o o x o o        times its own weight, which is 0 in a hole
 //        o o o
@@ -762,7 +762,7 @@ fn BokehHoleFill(MidSamp: texture_2d<f32>, FarSamp: texture_2d<f32>,
     var mid: vec4f = BokehFetchGrid(MidSamp, center, grid, BokehLinearClamp);
     var far: vec4f = BokehFetchGrid(FarSamp, center, grid, BokehLinearClamp);
     var weights: vec2f = BokehHoleWeights(mid, far, inverseBrightness);
-    for (var ring: i32 = 0; ring < 4; ring++)
+    for (var ring: i32 = 0; ring < 3; ring++)
     {
         // no near layer, no holes
         if (nearCoC < 6.0)
@@ -1219,7 +1219,12 @@ fn BokehComposite(MapSamp: texture_2d<f32>, GatherTilesSamp: texture_2d<f32>,
         }
         // a gather that reaches far has one more ring, of few samples: with wider gaps between
         // the rings, a thin bright line would show as a row of copies
-        let wideRings: f32 = min(radius / 3.0, f32(BOKEH_LAYER_RINGS) + 1.0);
+        var wideRings: f32 = min(radius / 3.0, f32(BOKEH_LAYER_RINGS) + 1.0);
+        if (nearWeight > 0.0)
+        {
+            // the near layer covers this pixel, at least in part, and fills show behind it
+            wideRings = 0.0;
+        }
         let denseRings: f32 = rings;
         rings = max(rings, wideRings);
         // rings closer than a pixel find nothing new; .499: the last ends at the radius

@@ -1060,7 +1060,7 @@ for(int y=0;y < 4;y++)
 for(int x=0;x < 4;x++)
 {
 vec2 offset=vec2(float(x)-1.5,float(y)-1.5);
-if(abs(abs(offset.x)+abs(offset.y)-2.0) < 0.5)
+if((abs(offset.x)-abs(offset.y))*offset.x*offset.y > 0.5)
 {
 vec4 pixel=BokehFetchGrid(MapSamp,middle+offset,full);
 around=BokehSurroundings(around,pixel,BokehLayerWeight(-pixel.a *
@@ -1319,7 +1319,7 @@ vec2 turn=BokehTurn(1.0,polygon);
 vec4 mid=BokehFetchGrid(MidSamp,center,grid);
 vec4 far=BokehFetchGrid(FarSamp,center,grid);
 vec2 weights=BokehHoleWeights(mid,far,inverseBrightness);
-for(int ring=0;ring < 4;ring++)
+for(int ring=0;ring < 3;ring++)
 {
 if(nearCoC < 6.0)
 {
@@ -1648,6 +1648,10 @@ if(max(tile.g,tile.r+4.0) <= 14.0-4.0*float(BOKEH_LAYER_CUBIC))
 rings+=1.0;
 }
 float wideRings=min(radius/3.0,float(BOKEH_LAYER_RINGS)+1.0);
+if(nearWeight > 0.0)
+{
+wideRings=0.0;
+}
 float denseRings=rings;
 rings=max(rings,wideRings);
 float spacing=max(min(radius/1.499,1.0),radius/(rings+0.499));
@@ -2866,7 +2870,7 @@ for(var y:i32=0;y < 4;y++)
 for(var x:i32=0;x < 4;x++)
 {
 let offset:vec2f=vec2f(f32(x)-1.5,f32(y)-1.5);
-if(abs(abs(offset.x)+abs(offset.y)-2.0) < 0.5)
+if((abs(offset.x)-abs(offset.y))*offset.x*offset.y > 0.5)
 {
 let pixel:vec4f=BokehFetchGrid(MapSamp,middle+offset,full,
 BokehLinearClamp);
@@ -3141,7 +3145,7 @@ let turn:vec2f=BokehTurn(1.0,polygon);
 var mid:vec4f=BokehFetchGrid(MidSamp,center,grid,BokehLinearClamp);
 var far:vec4f=BokehFetchGrid(FarSamp,center,grid,BokehLinearClamp);
 var weights:vec2f=BokehHoleWeights(mid,far,inverseBrightness);
-for(var ring:i32=0;ring < 4;ring++)
+for(var ring:i32=0;ring < 3;ring++)
 {
 if(nearCoC < 6.0)
 {
@@ -3493,7 +3497,11 @@ if(max(tile.g,tile.r+4.0) <= 14.0-4.0*f32(BOKEH_LAYER_CUBIC))
 {
 rings+=1.0;
 }
-let wideRings:f32=min(radius/3.0,f32(BOKEH_LAYER_RINGS)+1.0);
+var wideRings:f32=min(radius/3.0,f32(BOKEH_LAYER_RINGS)+1.0);
+if(nearWeight > 0.0)
+{
+wideRings=0.0;
+}
 let denseRings:f32=rings;
 rings=max(rings,wideRings);
 let spacing:f32=max(min(radius/1.499,1.0),radius/(rings+0.499));

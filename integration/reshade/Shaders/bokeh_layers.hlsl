@@ -429,8 +429,8 @@ BokehPrefiltered BokehPrefilter(BOKEH_TEXTURE MapSamp, BOKEH_TEXTURE DilatedTile
             for (int x = 0; x < 4; x++)
             {
                 float2 offset = float2(float(x) - 1.5, float(y) - 1.5);
-                // only the eight pixels that share an edge with those four
-                if (abs(abs(offset.x) + abs(offset.y) - 2.0) < 0.5)
+                // four of the twelve pixels around those, one at each edge
+                if ((abs(offset.x) - abs(offset.y)) * offset.x * offset.y > 0.5)
                 {
                     float4 pixel = BokehFetchGrid(MapSamp, middle + offset, full BOKEH_LINEAR);
                     around = BokehSurroundings(around, pixel, BokehLayerWeight(-pixel.a *
@@ -763,9 +763,9 @@ struct BokehFilled
 
 // Layers: fills the holes that near objects leave in the background, from what is around them
 //   Reads midWithHoles, farWithHoles and dilatedTiles, and writes both without holes. Around each
-//   texel lie four rings, and the nearest background has by far the highest weight:
+//   texel lie three rings, and the nearest background has by far the highest weight:
 //
-//      o    o    o      ring diameters are 1/8, 1/4, 1/2 and 1 of the largest near CoC in reach;
+//      o    o    o      ring diameters are 1/8, 1/4 and 1/2 of the largest near CoC in reach;
 //        o o o          a texel at a ring's diameter d has the weight 1 / (1 + 4 d^3),
 //      o o x o o        times its own weight, which is 0 in a hole
 //        o o o
@@ -786,7 +786,7 @@ BokehFilled BokehHoleFill(BOKEH_TEXTURE MidSamp, BOKEH_TEXTURE FarSamp,
     float4 mid = BokehFetchGrid(MidSamp, center, grid BOKEH_LINEAR);
     float4 far = BokehFetchGrid(FarSamp, center, grid BOKEH_LINEAR);
     float2 weights = BokehHoleWeights(mid, far, inverseBrightness);
-    for (int ring = 0; ring < 4; ring++)
+    for (int ring = 0; ring < 3; ring++)
     {
         // no near layer, no holes
         if (nearCoC < 6.0)
@@ -1230,6 +1230,11 @@ float4 BokehComposite(BOKEH_TEXTURE MapSamp, BOKEH_TEXTURE GatherTilesSamp, BOKE
         // a gather that reaches far has one more ring, of few samples: with wider gaps between
         // the rings, a thin bright line would show as a row of copies
         float wideRings = min(radius / 3.0, float(BOKEH_LAYER_RINGS) + 1.0);
+        if (nearWeight > 0.0)
+        {
+            // the near layer covers this pixel, at least in part, and fills show behind it
+            wideRings = 0.0;
+        }
         float denseRings = rings;
         rings = max(rings, wideRings);
         // rings closer than a pixel find nothing new; .499: the last ends at the radius

@@ -87,7 +87,8 @@ def _of_layers(item: Pass) -> int:
         along_edge = ceil(cells * (1.4142136 / 0.708 if sides == 4 else 2.0 * sin(pi / sides)))
         both = 2 if item.spec.sides in BOTH else 1
         return 1 + both * edges * along_edge
-    # HoleFill takes four rings of the size of the gather's first one; a wide gather adds one ring
-    most = Most(along, 1 + 4 * ring_samples(1), 5 if cubic else 1, ring_samples(rings) + ring_samples(1))
+    # HoleFill takes three rings of the size of the gather's first one. A wide gather adds one such ring, except where
+    # Composite reads the two fills, which are fewer fetches.
+    most = Most(along, 1 + 3 * ring_samples(1), 5 if cubic else 1, ring_samples(rings) + ring_samples(1))
     counts = ENTRIES[item.spec.whole or item.entry].fetches(most)
     return counts[1 + item.constants["BOKEH_TARGET_INDEX"] if item.spec.whole else 0]

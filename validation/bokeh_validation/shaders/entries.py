@@ -81,7 +81,7 @@ def _layers(name: str, textures: int, targets: int, fetches: Callable[[Most], tu
 
 
 _SEVERAL = (
-    _layers("Prefilter", 2, 4, lambda most: (1 + 4 + 8, 13, 5, 13, 5)),
+    _layers("Prefilter", 2, 4, lambda most: (1 + 4 + 4, 9, 5, 9, 5)),
     _layers("LayerCoCReduce", 2, 2, lambda most: (2 * 4 * 4, 16, 16)),
     _layers("LayerCoCRows", 3, 2, lambda most: (1 + 2 * most.along, most.along, 1 + most.along)),
     _layers("LayerCoCColumns", 3, 2, lambda most: (2 + 2 * most.along, 1 + most.along, 2 + most.along)),
@@ -119,7 +119,7 @@ _ALL = (
     _layers("TileDilate", 1, 1, lambda most: (most.along,)),
     *_SEVERAL,
     *(entry for word, sides in EXACT.items() for entry in _polygon(word, sides, layers=True)),
-    _layers("Composite", 6, 1, lambda most: (2 + 2 * most.layer + most.gather + 2,)),
+    _layers("Composite", 6, 1, lambda most: (2 + 2 * most.layer + most.gather,)),
     # the same passes for one target at a time
     *(Entry(f"{entry.name}One", LAYERS, entry.textures, layers=True, whole=entry.name) for entry in _SEVERAL),
     Entry("BokehLayerEdge", EDGE, COLORS[:3], layers=True),
