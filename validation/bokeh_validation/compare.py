@@ -49,7 +49,7 @@ Change = Callable[[np.ndarray], np.ndarray]
 
 @dataclass(frozen=True)
 class Mistake:
-    """Something that an engine may have done differently.
+    """Describe a mistake that an engine may have made.
 
     name, advice   printed for the user
     settings       of the frame that has the mistake

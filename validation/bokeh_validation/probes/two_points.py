@@ -65,7 +65,7 @@ def _judge_min(aperture: str, outputs: dict[str, Outputs]) -> list[Check]:
     border = 0.5 * _boundary_pixels(predicted * outside) / light
     least, most = max(expected - border, 0.25 * expected), expected + border
     why = "the analytic false shape, its boundary known to half a pixel; it must not be zero"
-    bright = "both blurs have light 1, but for the ripple of their samples"
+    bright = "both blurs have light 1, within the ripple of their samples"
     return [
         Check("light in false shapes (share of one highlight)", seen, least, most, why),
         Check("brightest false pixel (plateaus)", value[outside].max(), 0.5, 1 + ripple(aperture), bright),
@@ -79,7 +79,7 @@ def _judge_max(aperture: str, outputs: dict[str, Outputs]) -> list[Check]:
     missing = truth - predicted > 0.5
     inner, off = ~grown(~missing), ripple(aperture)
     shown, expected = (image[inner].mean() / truth[inner].mean() for image in (value, predicted))
-    area, why = float(missing.sum()), f"the analytic shapes give {expected:.3f}, but for the ripple of the samples"
+    area, why = float(missing.sum()), f"the analytic shapes give {expected:.3f}, within the ripple of the samples"
     return [
         Check("area with light missing (pixels)", area, 10.0, float("inf"), "the artefact must show"),
         Check("light shown there, share of the correct sum", shown, expected - off, expected + off, why),

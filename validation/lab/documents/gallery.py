@@ -155,7 +155,7 @@ APART_LIGHTS = (lights_apart.Apart(27, 4), lights_apart.Apart(60, 4))
 
 
 def apart(driver: Driver) -> dict[str, np.ndarray]:
-    """Draw lights whose CoC differs from their background's, to show which methods keep them flat and of their own
+    """Draw lights whose CoC differs from their background's, to show which methods keep them flat and in the right
     size.
     """
     panels = []

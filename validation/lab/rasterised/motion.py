@@ -31,7 +31,7 @@ DEFAULT = (
 )  # fmt: skip
 INPUTS = ("aliased", "antialiased", "temporal, before", "temporal, after", "before, steady")
 ALIASED, ANTIALIASED, *_, STEADY = INPUTS
-# BokehStableBlend
+# Weight of each new frame, BokehStableBlend, once there is a history
 FORGOTTEN = 0.05
 # The animation: left, top, width, height of a detail, and its zoom; milliseconds per frame; quality of the WebP
 DETAIL, ZOOM, MILLISECONDS, QUALITY = (240, 20, 170, 130), 2, 80, 80
