@@ -68,7 +68,10 @@ def default(
     ] = False,
     adapter: terminal.Adapter = None,
     output: Annotated[
-        Path | None, typer.Option("-o", "--output", metavar="FILE.html", help="The report; else in the cache folder.")
+        Path | None,
+        typer.Option(
+            "-o", "--output", metavar="FILE.html", help="Where to write the report. Default: the cache folder."
+        ),
     ] = None,
 ) -> None:
     """Validate the polygonal bokeh shaders. Without a command: all languages in brief, in a minute, and a report."""

@@ -204,7 +204,7 @@ def compare(
     result: Annotated[Path, Argument(metavar="RESULT.exr", help="What your engine made of it, linear R G B.")],
     settings: Settings,
     near: Annotated[float, Option(help="Your camera's near plane, metres, to recognise a depth buffer.")] = 0.1,
-    far: Annotated[float, Option(help="Its far plane.")] = 1000.0,
+    far: Annotated[float, Option(help="Your camera's far plane, metres.")] = 1000.0,
     depth_channel: render.DepthChannel = None,
     layer: render.Layer = None,
     sets: options.Sets = None,

@@ -99,7 +99,7 @@ TABLE = (
     Option("aperture", "aperture", str, APERTURES, aperture_shapes.NAMES),
     Option("preset", "preset", str, "exact, layered: low, medium, high or ultra.", tuple(methods.PRESETS),
            ("exact", "layered"), needs=EITHER),
-    Option("samples", "samples", int, "On a line; with --spacing at most, 65. Default: 13; exact: its preset.",
+    Option("samples", "samples", int, "Samples on a line; with --spacing at most, 65. Default: 13; exact: its preset.",
            (2, MAX_SAMPLES, f"2 to {MAX_SAMPLES}"), needs=PRESET),
     Option("spacing", "spacing", float, "Pixels between samples, as many as the CoC needs. 0: a fixed number.",
            (0, INF, "0 (a fixed number of samples) or more"), methods=("exact", "paper")),

@@ -191,7 +191,7 @@ def demo(
         Path | None,
         typer.Option("-o", "--output", metavar="FOLDER or FILE.html", help="Write the page, and do not serve it."),
     ] = None,
-    port: Annotated[int, typer.Option(help="To serve it on; 0: any that is free.")] = 8015,
+    port: Annotated[int, typer.Option(help="Port to serve the page on; 0: any free one.")] = 8015,
     data_folder: Annotated[
         Path | None, typer.Option("--data", metavar="FOLDER", help="Write only the data, for Vite's own server.")
     ] = None,

@@ -16,16 +16,16 @@ MOST_RANDOM = 10_000
 def truth(
     method: Annotated[
         list[str] | None,
-        typer.Option(help=f"Of {', '.join(METHODS)}; may be given again. Default: those up to layered medium."),
+        typer.Option(help=f"One of {', '.join(METHODS)}; may be given again. Default: those up to layered medium."),
     ] = None,
     scene: Annotated[
-        list[str] | None, typer.Option(help="Of validation/scenes; may be given again. Default: all.")
+        list[str] | None, typer.Option(help="A scene of validation/scenes; may be given again. Default: all.")
     ] = None,
     count: Annotated[
         int | None,
         typer.Option("--random", metavar="N", help="N random scenes, by layered medium unless others are named."),
     ] = None,
-    seed: Annotated[int | None, typer.Option(metavar="S", help="Of the first random scene. Default: 0.")] = None,
+    seed: Annotated[int | None, typer.Option(metavar="S", help="Seed of the first random scene. Default: 0.")] = None,
     sequence: Annotated[
         str | None, typer.Option("--motion", metavar="NAME", help=f"Flicker: {', '.join(motion.NAMES)}, or all.")
     ] = None,

@@ -308,9 +308,9 @@ def _is_free(other: dict, texture: dict) -> bool:
 @options.with_settings
 def plan(
     settings: methods.Settings,
-    size: Annotated[str, typer.Option(metavar="WxH", help="Of the textures, pixels.")] = "1920x1080",
+    size: Annotated[str, typer.Option(metavar="WxH", help="Size of the textures, pixels.")] = "1920x1080",
     viewport: Annotated[
-        str | None, typer.Option(metavar="WxH+X+Y", help="Of the image, where it fills a part of its textures.")
+        str | None, typer.Option(metavar="WxH+X+Y", help="Place of the image, if it fills only a part of its textures.")
     ] = None,
     sets: options.Sets = None,
 ) -> None:

@@ -46,7 +46,9 @@ def compile_all(json_file: terminal.JsonFile = None) -> None:
 
 def engines(
     names: Annotated[list[str] | None, typer.Argument(metavar="[NAME]...", help="By default all quick ones.")] = None,
-    everything: Annotated[bool, typer.Option("--all", help="The slow ones as well (Bevy builds for minutes).")] = False,
+    everything: Annotated[
+        bool, typer.Option("--all", help="Run the slow ones as well (Bevy builds for minutes).")
+    ] = False,
 ) -> None:
     """Build and run the samples of integration/, each compared with the reference on its own colour and depth."""
     for name in names or []:

@@ -167,13 +167,15 @@ def bench(
     ] = None,
     adapter: terminal.Adapter = None,
     size: Annotated[str | None, typer.Option(metavar="WxH", help="Default: 960x540; of a pack two others.")] = None,
-    rounds: Annotated[int, typer.Option(help="Rounds that count.", min=3, max=1000)] = 5,
+    rounds: Annotated[int, typer.Option(help="Number of measured rounds.", min=3, max=1000)] = 5,
     judge: Annotated[
         bool, typer.Option("--judge", help="Only frames whose time has a bound; exit code 1 where one is above it.")
     ] = False,
     json_file: terminal.JsonFile = None,
     folder: Annotated[Path | None, typer.Option("--pack", metavar="DIR", help="A folder that times any GPU.")] = None,
-    wheels: Annotated[bool, typer.Option("--wheels", help="With --pack: and what Linux x86-64 needs, 5 MB.")] = False,
+    wheels: Annotated[
+        bool, typer.Option("--wheels", help="With --pack: add the wheels that Linux x86-64 needs, 5 MB.")
+    ] = False,
 ) -> None:
     """Time the methods against the paper's, and reproduce Table 1 of the paper."""
     sizes = [terminal.parsed_size(text, 16, 8192) for text in ([size] if size else PACK_SIZES if folder else [SIZE])]

@@ -78,15 +78,16 @@ def write(drawing: Drawing, drawn: dict, wanted: list[str], folder: Path | None)
 def draw_pictures(
     names: Annotated[list[str] | None, typer.Argument(metavar="[NAME]...", help="Default: all.")] = None,
     folder: Annotated[
-        Path | None, typer.Option("-o", "--output", metavar="FOLDER", help="Else to their places in docs.")
+        Path | None,
+        typer.Option("-o", "--output", metavar="FOLDER", help="Folder to write to. Default: the places in docs."),
     ] = None,
     driver: terminal.OneDriver = None,
     adapter: terminal.Adapter = None,
     state: Annotated[
-        bool, typer.Option("--list", help="Draw nothing: all names, and which are older than the shaders.")
+        bool, typer.Option("--list", help="Draw nothing; list all names and which are older than the shaders.")
     ] = False,
     keep: Annotated[
-        Path | None, typer.Option("--record", metavar="FILE", help="Draw nothing: record a file as it is now.")
+        Path | None, typer.Option("--record", metavar="FILE", help="Draw nothing; record a file as it is now.")
     ] = None,
 ) -> None:
     """Draw the pictures of the documents."""

@@ -16,7 +16,9 @@ from lab.mutants.mutant import BAD, OUTCOMES, Mutant
 
 def mutants(
     only: Annotated[list[str] | None, typer.Option(metavar="NAME", help="This mutant; may be given again.")] = None,
-    sample: Annotated[int | None, typer.Option(metavar="N", help="So many of each kind, always the same.")] = None,
+    sample: Annotated[
+        int | None, typer.Option(metavar="N", help="Number of mutants of each kind, always the same ones.")
+    ] = None,
     json_file: terminal.JsonFile = None,
 ) -> None:
     """Break the shaders, one mistake at a time: each must show."""

@@ -139,7 +139,7 @@ def in_motion(asked: list[str], name: str) -> list[dict]:
 def peers(
     effect: Annotated[list[str] | None, typer.Option(help="May be given again. Default: all.")] = None,
     scene: Annotated[
-        list[str] | None, typer.Option(help="Of validation/scenes; may be given again. Default: all.")
+        list[str] | None, typer.Option(help="A scene of validation/scenes; may be given again. Default: all.")
     ] = None,
     found: Annotated[
         Path | None, typer.Option("--search", metavar="FILE", help="Search the scenes' parameters; write them as JSON.")
