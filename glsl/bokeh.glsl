@@ -420,10 +420,10 @@ vec3 BokehBrighter(vec3 brightest, vec4 color, vec2 direction)
 //   color         of this pixel
 //   right, left, below, above  colours of the neighbours; below is the next row in memory; outside
 //                 the image pass this pixel again
-//   returns       xy = direction of the light, pixels; z = weight for BokehLightCoC. For a dark
-//                 pixel it ramps from 0 to 1 while the light is 4 to 8 times as bright; for a rim,
+//   returns       xy = direction of the light, pixels; zw = weights for BokehLightCoC. z, of a dark
+//                 pixel, ramps from 0 to 1 while the light is 4 to 8 times as bright; w, of a rim,
 //                 while the rim is 1.3 to 1.5 times as bright as its darkest neighbour.
-vec3 BokehLightBeside(vec4 color, vec4 right, vec4 left, vec4 below, vec4 above)
+vec4 BokehLightBeside(vec4 color, vec4 right, vec4 left, vec4 below, vec4 above)
 {
     float brightness = max(BokehBrightness(color), 0.0000001);
     float darkest = min(min(BokehBrightness(right), BokehBrightness(left)),
@@ -437,39 +437,40 @@ vec3 BokehLightBeside(vec4 color, vec4 right, vec4 left, vec4 below, vec4 above)
     float dark = clamp(0.25 * ratio - 1.0, 0.0, 1.0);
     float rim = clamp(5.0 * brightness / max(darkest, 0.0000001) - 6.5, 0.0, 1.0) *
         clamp(10.0 * ratio - 10.0, 0.0, 1.0);
-    return vec3(brightest.xy, max(dark, rim));
+    return vec4(brightest.xy, dark, rim);
 }
 
 // Listing 1: finds the light beside a pixel in a texture, see BokehLightBeside
 //   ColorSamp     linear HDR colour, read texel by texel
 //   imageSize     width and height, pixels
-//   returns       xy = offset of the light, uv; z = weight for BokehLightCoC
-vec3 BokehBrightNeighbor(BOKEH_TEXTURE ColorSamp, vec2 uv, vec2 imageSize)
+//   returns       xy = offset of the light, uv; zw = weights for BokehLightCoC
+vec4 BokehBrightNeighbor(BOKEH_TEXTURE ColorSamp, vec2 uv, vec2 imageSize)
 {
     vec2 pixel = 1.0 / max(imageSize, vec2(1.0, 1.0));
     vec2 right = vec2(pixel.x, 0.0);
     vec2 below = vec2(0.0, pixel.y);
-    vec3 brightest = BokehLightBeside(BokehFetchTexel(ColorSamp, BokehToTexture(uv)),
+    vec4 brightest = BokehLightBeside(BokehFetchTexel(ColorSamp, BokehToTexture(uv)),
         BokehFetchTexel(ColorSamp, BokehToTexture(uv + right)),
         BokehFetchTexel(ColorSamp, BokehToTexture(uv - right)),
         BokehFetchTexel(ColorSamp, BokehToTexture(uv + below)),
         BokehFetchTexel(ColorSamp, BokehToTexture(uv - below)));
-    return vec3(brightest.xy * pixel, brightest.z);
+    return vec4(brightest.xy * pixel, brightest.zw);
 }
 
 // Listing 1: returns the CoC of a pixel beside a light: the light's, if that is nearer to the
 //   camera
-//   If one of the two is in focus, each keeps its own, so that nothing sharp gets blurred and
-//   nothing blurred gets sharp: the light's CoC fades in while the smaller CoC grows from one pixel
-//   to two.
+//   A dark pixel and a light keep their own CoC if one of them is in focus, so that nothing sharp
+//   gets blurred and nothing blurred gets sharp. A rim takes that of an object in focus, because it
+//   shows that object's colour. Both fade in while a CoC grows from one pixel to two.
 //   CoC, lightCoC  signed, fractions of the image height
-//   weight        from BokehLightBeside or BokehBrightNeighbor
+//   weights       zw of BokehLightBeside or BokehBrightNeighbor
 //   imageHeight   pixels
-float BokehLightCoC(float CoC, float lightCoC, float weight, float imageHeight)
+float BokehLightCoC(float CoC, float lightCoC, vec2 weights, float imageHeight)
 {
     float sharper = min(abs(CoC), abs(lightCoC));
-    float blurred = clamp(sharper * imageHeight - 1.0, 0.0, 1.0);
-    return CoC + (min(lightCoC, CoC) - CoC) * (weight * blurred);
+    float dark = weights.x * clamp(sharper * imageHeight - 1.0, 0.0, 1.0);
+    float rim = weights.y * clamp(abs(CoC) * imageHeight - 1.0, 0.0, 1.0);
+    return CoC + (min(lightCoC, CoC) - CoC) * max(dark, rim);
 }
 
 // Listing 1: makes the CoC map, first pass of `exact` and `layered`
@@ -491,13 +492,13 @@ vec4 BokehSignedCoCMap(BOKEH_TEXTURE ColorSamp, BOKEH_DEPTH_TEXTURE DepthSamp, v
 {
     float depth = BokehLinearDepth(BokehFetchDepth(DepthSamp, depthUV), kind, planes.x, planes.y);
     float CoC = BokehSignedCoC(depth, lens);
-    vec3 neighbor = BokehBrightNeighbor(ColorSamp, uv, imageSize);
-    if (neighbor.z > 0.0)
+    vec4 neighbor = BokehBrightNeighbor(ColorSamp, uv, imageSize);
+    if (max(neighbor.z, neighbor.w) > 0.0)
     {
         vec2 offset = BokehToTexture(uv + neighbor.xy) - BokehToTexture(uv);
         depth = BokehLinearDepth(BokehFetchDepth(DepthSamp, depthUV + offset), kind, planes.x,
             planes.y);
-        CoC = BokehLightCoC(CoC, BokehSignedCoC(depth, lens), neighbor.z, imageSize.y);
+        CoC = BokehLightCoC(CoC, BokehSignedCoC(depth, lens), neighbor.zw, imageSize.y);
     }
     return BokehPackCoC(BokehFetchTexel(ColorSamp, BokehToTexture(uv)), CoC);
 }

@@ -505,11 +505,11 @@ void main()
     BokehUseViewport();
     vec2 imageSize = vec2(BokehImageWidth, BokehImageHeight);
     float CoC = BokehPassCoC(BokehPassDepth(BokehDepthUV(BokehUV)));
-    vec3 neighbor = BokehBrightNeighbor(BokehColorSamp, BokehUV, imageSize);
-    if (neighbor.z > 0.0)
+    vec4 neighbor = BokehBrightNeighbor(BokehColorSamp, BokehUV, imageSize);
+    if (max(neighbor.z, neighbor.w) > 0.0)
     {
         vec2 lightUV = BokehDepthUV(BokehUV + neighbor.xy);
-        CoC = BokehLightCoC(CoC, BokehPassCoC(BokehPassDepth(lightUV)), neighbor.z, imageSize.y);
+        CoC = BokehLightCoC(CoC, BokehPassCoC(BokehPassDepth(lightUV)), neighbor.zw, imageSize.y);
     }
     BokehResult = BokehPackCoC(BokehFetchTexel(BokehColorSamp, BokehToTexture(BokehUV)), CoC);
 }

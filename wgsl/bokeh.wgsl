@@ -345,10 +345,10 @@ fn BokehBrighter(brightest: vec3f, color: vec4f, direction: vec2f) -> vec3f
 //   color         of this pixel
 //   right, left, below, above  colours of the neighbours; below is the next row in memory; outside
 //                 the image pass this pixel again
-//   returns       xy = direction of the light, pixels; z = weight for BokehLightCoC. For a dark
-//                 pixel it ramps from 0 to 1 while the light is 4 to 8 times as bright; for a rim,
+//   returns       xy = direction of the light, pixels; zw = weights for BokehLightCoC. z, of a dark
+//                 pixel, ramps from 0 to 1 while the light is 4 to 8 times as bright; w, of a rim,
 //                 while the rim is 1.3 to 1.5 times as bright as its darkest neighbour.
-fn BokehLightBeside(color: vec4f, right: vec4f, left: vec4f, below: vec4f, above: vec4f) -> vec3f
+fn BokehLightBeside(color: vec4f, right: vec4f, left: vec4f, below: vec4f, above: vec4f) -> vec4f
 {
     let brightness: f32 = max(BokehBrightness(color), 0.0000001);
     let darkest: f32 = min(min(BokehBrightness(right), BokehBrightness(left)),
@@ -362,39 +362,40 @@ fn BokehLightBeside(color: vec4f, right: vec4f, left: vec4f, below: vec4f, above
     let dark: f32 = clamp(0.25 * ratio - 1.0, 0.0, 1.0);
     let rim: f32 = clamp(5.0 * brightness / max(darkest, 0.0000001) - 6.5, 0.0, 1.0) *
         clamp(10.0 * ratio - 10.0, 0.0, 1.0);
-    return vec3f(brightest.xy, max(dark, rim));
+    return vec4f(brightest.xy, dark, rim);
 }
 
 // Listing 1: finds the light beside a pixel in a texture, see BokehLightBeside
 //   ColorSamp     linear HDR colour, read texel by texel
 //   imageSize     width and height, pixels
-//   returns       xy = offset of the light, uv; z = weight for BokehLightCoC
-fn BokehBrightNeighbor(ColorSamp: texture_2d<f32>, uv: vec2f, imageSize: vec2f) -> vec3f
+//   returns       xy = offset of the light, uv; zw = weights for BokehLightCoC
+fn BokehBrightNeighbor(ColorSamp: texture_2d<f32>, uv: vec2f, imageSize: vec2f) -> vec4f
 {
     let pixel: vec2f = 1.0 / max(imageSize, vec2f(1.0, 1.0));
     let right: vec2f = vec2f(pixel.x, 0.0);
     let below: vec2f = vec2f(0.0, pixel.y);
-    let brightest: vec3f = BokehLightBeside(BokehFetchTexel(ColorSamp, BokehToTexture(uv)),
+    let brightest: vec4f = BokehLightBeside(BokehFetchTexel(ColorSamp, BokehToTexture(uv)),
         BokehFetchTexel(ColorSamp, BokehToTexture(uv + right)),
         BokehFetchTexel(ColorSamp, BokehToTexture(uv - right)),
         BokehFetchTexel(ColorSamp, BokehToTexture(uv + below)),
         BokehFetchTexel(ColorSamp, BokehToTexture(uv - below)));
-    return vec3f(brightest.xy * pixel, brightest.z);
+    return vec4f(brightest.xy * pixel, brightest.zw);
 }
 
 // Listing 1: returns the CoC of a pixel beside a light: the light's, if that is nearer to the
 //   camera
-//   If one of the two is in focus, each keeps its own, so that nothing sharp gets blurred and
-//   nothing blurred gets sharp: the light's CoC fades in while the smaller CoC grows from one pixel
-//   to two.
+//   A dark pixel and a light keep their own CoC if one of them is in focus, so that nothing sharp
+//   gets blurred and nothing blurred gets sharp. A rim takes that of an object in focus, because it
+//   shows that object's colour. Both fade in while a CoC grows from one pixel to two.
 //   CoC, lightCoC  signed, fractions of the image height
-//   weight        from BokehLightBeside or BokehBrightNeighbor
+//   weights       zw of BokehLightBeside or BokehBrightNeighbor
 //   imageHeight   pixels
-fn BokehLightCoC(CoC: f32, lightCoC: f32, weight: f32, imageHeight: f32) -> f32
+fn BokehLightCoC(CoC: f32, lightCoC: f32, weights: vec2f, imageHeight: f32) -> f32
 {
     let sharper: f32 = min(abs(CoC), abs(lightCoC));
-    let blurred: f32 = clamp(sharper * imageHeight - 1.0, 0.0, 1.0);
-    return CoC + (min(lightCoC, CoC) - CoC) * (weight * blurred);
+    let dark: f32 = weights.x * clamp(sharper * imageHeight - 1.0, 0.0, 1.0);
+    let rim: f32 = weights.y * clamp(abs(CoC) * imageHeight - 1.0, 0.0, 1.0);
+    return CoC + (min(lightCoC, CoC) - CoC) * max(dark, rim);
 }
 
 // Listing 1: makes the CoC map, first pass of `exact` and `layered`
@@ -417,13 +418,13 @@ fn BokehSignedCoCMap(ColorSamp: texture_2d<f32>, DepthSamp: BokehDepthTexture, u
     var depth: f32 = BokehLinearDepth(BokehFetchDepth(DepthSamp, depthUV), kind, planes.x,
         planes.y);
     var CoC: f32 = BokehSignedCoC(depth, lens);
-    let neighbor: vec3f = BokehBrightNeighbor(ColorSamp, uv, imageSize);
-    if (neighbor.z > 0.0)
+    let neighbor: vec4f = BokehBrightNeighbor(ColorSamp, uv, imageSize);
+    if (max(neighbor.z, neighbor.w) > 0.0)
     {
         let offset: vec2f = BokehToTexture(uv + neighbor.xy) - BokehToTexture(uv);
         depth = BokehLinearDepth(BokehFetchDepth(DepthSamp, depthUV + offset), kind, planes.x,
             planes.y);
-        CoC = BokehLightCoC(CoC, BokehSignedCoC(depth, lens), neighbor.z, imageSize.y);
+        CoC = BokehLightCoC(CoC, BokehSignedCoC(depth, lens), neighbor.zw, imageSize.y);
     }
     return BokehPackCoC(BokehFetchTexel(ColorSamp, BokehToTexture(uv)), CoC);
 }

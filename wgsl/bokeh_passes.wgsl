@@ -391,11 +391,11 @@ fn BokehBothResults(uv: vec2f, NearStrip3Samp: texture_2d<f32>, FarStrip3Samp: t
     BokehUseViewport();
     let imageSize: vec2f = vec2f(bokehParameters.BokehImageWidth, bokehParameters.BokehImageHeight);
     var CoC: f32 = BokehPassCoC(BokehPassDepth(BokehDepthUV(input.uv)));
-    let neighbor: vec3f = BokehBrightNeighbor(BokehColorSamp, input.uv, imageSize);
-    if (neighbor.z > 0.0)
+    let neighbor: vec4f = BokehBrightNeighbor(BokehColorSamp, input.uv, imageSize);
+    if (max(neighbor.z, neighbor.w) > 0.0)
     {
         let lightUV: vec2f = BokehDepthUV(input.uv + neighbor.xy);
-        CoC = BokehLightCoC(CoC, BokehPassCoC(BokehPassDepth(lightUV)), neighbor.z, imageSize.y);
+        CoC = BokehLightCoC(CoC, BokehPassCoC(BokehPassDepth(lightUV)), neighbor.zw, imageSize.y);
     }
     return BokehPackCoC(BokehFetchTexel(BokehColorSamp, BokehToTexture(input.uv)), CoC);
 }

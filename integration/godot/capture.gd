@@ -74,7 +74,7 @@ func _shot(files: Dictionary, method: String, aperture: String, sides: int) -> D
 	var title := "%s-%s" % [method, aperture]
 	var shot := {
 		name = title, method = method, aperture = aperture, width = size.x, height = size.y,
-		targets = false, preset = bokeh.preset.to_lower(),
+		use_mrt = false, preset = bokeh.preset.to_lower(),
 	}
 	if method == "paper":
 		shot.merge({ samples = 9, spacing = 1.5 }) # what the preset stands for

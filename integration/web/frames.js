@@ -25,7 +25,7 @@ function cocMap({ method, extras, alpha }, depth) {
     focusRange ? `BokehFocusedCoC(${metresOf(depth, at)}, lens, focus)` : `BokehSignedCoC(${metresOf(depth, at)}, lens)`;
   const packed = (coc) => [['coc'], 1, `BokehPackCoC(BokehFetchTexel(color, uv), ${coc})`];
   if (alpha) return packed(cocAt('uv'));
-  const ofLight = `BokehLightCoC(${cocAt('uv')}, ${cocAt('uv + neighbor.xy')}, neighbor.z, imageSize.y)`;
+  const ofLight = `BokehLightCoC(${cocAt('uv')}, ${cocAt('uv + neighbor.xy')}, neighbor.zw, imageSize.y)`;
   if (focusRange) return packed(ofLight);
   const [kind, near, far] = depth.split(', ');
   return [['coc'], 1, `BokehSignedCoCMap(color, depth, uv, uv, imageSize, lens, ${kind}, vec2(${near}, ${far}))`];
@@ -57,7 +57,7 @@ const structs = ({ sides, extras }, jitter) => ({
   ],
   layers: ['BokehLayerContext', 'BokehMakeLayerContext(uv, imageSize, maxCoC)', jitter && `layers.jitter = ${jitter};`],
   settings: ['BokehSamplingSettings', 'BokehDefaultSampling(imageSize)', jitter && `settings.jitter = ${jitter};`],
-  neighbor: ['vec3', 'BokehBrightNeighbor(color, uv, imageSize)', ''],
+  neighbor: ['vec4', 'BokehBrightNeighbor(color, uv, imageSize)', ''],
   focus: [
     'BokehFocus',
     'BokehFocus(vec2(frontRange, backRange), vec2(nearScale, farScale), vec2(nearMaxCoC, farMaxCoC))',

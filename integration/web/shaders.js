@@ -222,7 +222,7 @@ result=vec3(direction,brightness);
 }
 return result;
 }
-vec3 BokehLightBeside(vec4 color,vec4 right,vec4 left,vec4 below,vec4 above)
+vec4 BokehLightBeside(vec4 color,vec4 right,vec4 left,vec4 below,vec4 above)
 {
 float brightness=max(BokehBrightness(color),0.0000001);
 float darkest=min(min(BokehBrightness(right),BokehBrightness(left)),
@@ -236,38 +236,39 @@ float ratio=brightest.z/brightness;
 float dark=clamp(0.25*ratio-1.0,0.0,1.0);
 float rim=clamp(5.0*brightness/max(darkest,0.0000001)-6.5,0.0,1.0) *
 clamp(10.0*ratio-10.0,0.0,1.0);
-return vec3(brightest.xy,max(dark,rim));
+return vec4(brightest.xy,dark,rim);
 }
-vec3 BokehBrightNeighbor(BOKEH_TEXTURE ColorSamp,vec2 uv,vec2 imageSize)
+vec4 BokehBrightNeighbor(BOKEH_TEXTURE ColorSamp,vec2 uv,vec2 imageSize)
 {
 vec2 pixel=1.0/max(imageSize,vec2(1.0,1.0));
 vec2 right=vec2(pixel.x,0.0);
 vec2 below=vec2(0.0,pixel.y);
-vec3 brightest=BokehLightBeside(BokehFetchTexel(ColorSamp,BokehToTexture(uv)),
+vec4 brightest=BokehLightBeside(BokehFetchTexel(ColorSamp,BokehToTexture(uv)),
 BokehFetchTexel(ColorSamp,BokehToTexture(uv+right)),
 BokehFetchTexel(ColorSamp,BokehToTexture(uv-right)),
 BokehFetchTexel(ColorSamp,BokehToTexture(uv+below)),
 BokehFetchTexel(ColorSamp,BokehToTexture(uv-below)));
-return vec3(brightest.xy*pixel,brightest.z);
+return vec4(brightest.xy*pixel,brightest.zw);
 }
-float BokehLightCoC(float CoC,float lightCoC,float weight,float imageHeight)
+float BokehLightCoC(float CoC,float lightCoC,vec2 weights,float imageHeight)
 {
 float sharper=min(abs(CoC),abs(lightCoC));
-float blurred=clamp(sharper*imageHeight-1.0,0.0,1.0);
-return CoC+(min(lightCoC,CoC)-CoC)*(weight*blurred);
+float dark=weights.x*clamp(sharper*imageHeight-1.0,0.0,1.0);
+float rim=weights.y*clamp(abs(CoC)*imageHeight-1.0,0.0,1.0);
+return CoC+(min(lightCoC,CoC)-CoC)*max(dark,rim);
 }
 vec4 BokehSignedCoCMap(BOKEH_TEXTURE ColorSamp,BOKEH_DEPTH_TEXTURE DepthSamp,vec2 uv,
 vec2 depthUV,vec2 imageSize,BokehLens lens,int kind,vec2 planes)
 {
 float depth=BokehLinearDepth(BokehFetchDepth(DepthSamp,depthUV),kind,planes.x,planes.y);
 float CoC=BokehSignedCoC(depth,lens);
-vec3 neighbor=BokehBrightNeighbor(ColorSamp,uv,imageSize);
-if(neighbor.z > 0.0)
+vec4 neighbor=BokehBrightNeighbor(ColorSamp,uv,imageSize);
+if(max(neighbor.z,neighbor.w) > 0.0)
 {
 vec2 offset=BokehToTexture(uv+neighbor.xy)-BokehToTexture(uv);
 depth=BokehLinearDepth(BokehFetchDepth(DepthSamp,depthUV+offset),kind,planes.x,
 planes.y);
-CoC=BokehLightCoC(CoC,BokehSignedCoC(depth,lens),neighbor.z,imageSize.y);
+CoC=BokehLightCoC(CoC,BokehSignedCoC(depth,lens),neighbor.zw,imageSize.y);
 }
 return BokehPackCoC(BokehFetchTexel(ColorSamp,BokehToTexture(uv)),CoC);
 }
@@ -2041,7 +2042,7 @@ result=vec3f(direction,brightness);
 }
 return result;
 }
-fn BokehLightBeside(color:vec4f,right:vec4f,left:vec4f,below:vec4f,above:vec4f)->vec3f
+fn BokehLightBeside(color:vec4f,right:vec4f,left:vec4f,below:vec4f,above:vec4f)->vec4f
 {
 let brightness:f32=max(BokehBrightness(color),0.0000001);
 let darkest:f32=min(min(BokehBrightness(right),BokehBrightness(left)),
@@ -2055,25 +2056,26 @@ let ratio:f32=brightest.z/brightness;
 let dark:f32=clamp(0.25*ratio-1.0,0.0,1.0);
 let rim:f32=clamp(5.0*brightness/max(darkest,0.0000001)-6.5,0.0,1.0) *
 clamp(10.0*ratio-10.0,0.0,1.0);
-return vec3f(brightest.xy,max(dark,rim));
+return vec4f(brightest.xy,dark,rim);
 }
-fn BokehBrightNeighbor(ColorSamp:texture_2d<f32>,uv:vec2f,imageSize:vec2f)->vec3f
+fn BokehBrightNeighbor(ColorSamp:texture_2d<f32>,uv:vec2f,imageSize:vec2f)->vec4f
 {
 let pixel:vec2f=1.0/max(imageSize,vec2f(1.0,1.0));
 let right:vec2f=vec2f(pixel.x,0.0);
 let below:vec2f=vec2f(0.0,pixel.y);
-let brightest:vec3f=BokehLightBeside(BokehFetchTexel(ColorSamp,BokehToTexture(uv)),
+let brightest:vec4f=BokehLightBeside(BokehFetchTexel(ColorSamp,BokehToTexture(uv)),
 BokehFetchTexel(ColorSamp,BokehToTexture(uv+right)),
 BokehFetchTexel(ColorSamp,BokehToTexture(uv-right)),
 BokehFetchTexel(ColorSamp,BokehToTexture(uv+below)),
 BokehFetchTexel(ColorSamp,BokehToTexture(uv-below)));
-return vec3f(brightest.xy*pixel,brightest.z);
+return vec4f(brightest.xy*pixel,brightest.zw);
 }
-fn BokehLightCoC(CoC:f32,lightCoC:f32,weight:f32,imageHeight:f32)->f32
+fn BokehLightCoC(CoC:f32,lightCoC:f32,weights:vec2f,imageHeight:f32)->f32
 {
 let sharper:f32=min(abs(CoC),abs(lightCoC));
-let blurred:f32=clamp(sharper*imageHeight-1.0,0.0,1.0);
-return CoC+(min(lightCoC,CoC)-CoC)*(weight*blurred);
+let dark:f32=weights.x*clamp(sharper*imageHeight-1.0,0.0,1.0);
+let rim:f32=weights.y*clamp(abs(CoC)*imageHeight-1.0,0.0,1.0);
+return CoC+(min(lightCoC,CoC)-CoC)*max(dark,rim);
 }
 fn BokehSignedCoCMap(ColorSamp:texture_2d<f32>,DepthSamp:BokehDepthTexture,uv:vec2f,
 depthUV:vec2f,imageSize:vec2f,lens:BokehLens,kind:i32,planes:vec2f)->vec4f
@@ -2081,13 +2083,13 @@ depthUV:vec2f,imageSize:vec2f,lens:BokehLens,kind:i32,planes:vec2f)->vec4f
 var depth:f32=BokehLinearDepth(BokehFetchDepth(DepthSamp,depthUV),kind,planes.x,
 planes.y);
 var CoC:f32=BokehSignedCoC(depth,lens);
-let neighbor:vec3f=BokehBrightNeighbor(ColorSamp,uv,imageSize);
-if(neighbor.z > 0.0)
+let neighbor:vec4f=BokehBrightNeighbor(ColorSamp,uv,imageSize);
+if(max(neighbor.z,neighbor.w) > 0.0)
 {
 let offset:vec2f=BokehToTexture(uv+neighbor.xy)-BokehToTexture(uv);
 depth=BokehLinearDepth(BokehFetchDepth(DepthSamp,depthUV+offset),kind,planes.x,
 planes.y);
-CoC=BokehLightCoC(CoC,BokehSignedCoC(depth,lens),neighbor.z,imageSize.y);
+CoC=BokehLightCoC(CoC,BokehSignedCoC(depth,lens),neighbor.zw,imageSize.y);
 }
 return BokehPackCoC(BokehFetchTexel(ColorSamp,BokehToTexture(uv)),CoC);
 }

@@ -14,7 +14,7 @@ from typing import Annotated
 import numpy as np
 from typer import Argument, Option
 
-from bokeh_validation import exr, metrics, options, render, shaders, terminal
+from bokeh_validation import exr, metrics, options, plan, render, shaders, terminal
 from bokeh_validation.drivers.base import Driver
 from bokeh_validation.errors import Unavailable, UserError
 from bokeh_validation.exr import Scene
@@ -72,11 +72,11 @@ class Mistake:
 
     def rendered(self, driver: Driver, scene: Scene) -> np.ndarray:
         """Draw the scene with this mistake; returns (H, W, 3) float64. Raises Unavailable."""
-        plan = methods.plan(self.settings, scene.size)
+        frame = methods.plan(self.settings, scene.size)
         color, depth = scene.color.copy(), self.depth(scene.depth).astype(np.float32)
         color[..., :3] = self.color(color[..., :3].astype(np.float64))
-        textures = {"color": color, "depth": depth, **plan.tables}
-        result = driver.run(list(map(self.passes, plan.passes)), textures, scene.size, self.storage)["result"]
+        textures = {"color": color, "depth": depth, **frame.tables}
+        result = driver.run(list(map(self.passes, frame.passes)), textures, scene.size, self.storage)["result"]
         return self.result(result[..., :3].astype(np.float64))
 
 
@@ -114,6 +114,18 @@ def _unfiltered(item: Pass) -> Pass:
     """Return the pass with a program that reads the nearest texel instead of filtering."""
     version, _, rest = shaders.glsl(item.entry, "330", item.constants).partition("\n")
     return replace(item, sources={"glsl": f"{version}\n{NEAREST}{rest}"})
+
+
+def _with_alpha(item: Pass, expression: str) -> Pass:
+    """Return the CoC map's pass with a program that changes its result's alpha; other passes stay as they are.
+
+    expression  GLSL of the new alpha, with BokehResult.a as the signed CoC
+    """
+    if item.entry != plan.SIGNED_MAP:
+        return item
+    program = shaders.glsl(item.entry, "330", item.constants).replace("void main()", "void bokehMap()")
+    changed = f"\nvoid main()\n{{\n    bokehMap();\n    BokehResult.a = {expression};\n}}\n"
+    return replace(item, sources={"glsl": program + changed})
 
 
 def _others(settings: Settings) -> Iterator[Mistake]:
@@ -157,12 +169,6 @@ def _presets(settings: Settings) -> Iterator[Mistake]:
 
 def _depths(settings: Settings, near: float, far: float, set_kind: float | None) -> Iterator[Mistake]:
     """Yield depth that is flipped, has the wrong sign about the focus distance, or was read as another kind."""
-    focus = settings.camera.focus_distance
-
-    def mirrored(depth: np.ndarray) -> np.ndarray:
-        # The depth whose CoC has the opposite sign: 1 / focus is midway between its reciprocal and 1 / depth. What
-        # would lie beyond infinity is put at infinity.
-        return focus / np.maximum(2.0 - focus / np.maximum(depth, 1e-6), 1e-9)
 
     def misread(held: int, read: int, depth: np.ndarray) -> np.ndarray:
         inside = np.clip(depth.astype(np.float64), near, far)
@@ -172,8 +178,11 @@ def _depths(settings: Settings, near: float, far: float, set_kind: float | None)
     yield Mistake("depth is upside down: its v is flipped", flip, settings, depth=np.flipud)
     if settings.method in options.POLYGON_METHODS:
         signed = "It is negative before the focus, and positive after it (docs/inputs.md)."
-        yield Mistake("the CoC's sign is the other one", signed, settings, depth=mirrored)
-        yield Mistake("the CoC has no sign", signed, settings, depth=lambda z: np.where(z < focus, mirrored(z), z))
+        for name, alpha in (
+            ("the CoC's sign is the other one", "-BokehResult.a"),
+            ("the CoC has no sign", "abs(BokehResult.a)"),
+        ):
+            yield Mistake(name, signed, settings, passes=partial(_with_alpha, expression=alpha), drivers=GLSL_DRIVERS)
     for held, read in ((held, read) for held in KINDS[:4] for read in KINDS if held != read):
         kinds = DEPTH_KINDS[held], DEPTH_KINDS[read]
         if set_kind not in (None, kinds[1]):

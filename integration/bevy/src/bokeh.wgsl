@@ -155,7 +155,7 @@ result = vec3f(direction, brightness);
 }
 return result;
 }
-fn BokehLightBeside(color: vec4f, right: vec4f, left: vec4f, below: vec4f, above: vec4f) -> vec3f
+fn BokehLightBeside(color: vec4f, right: vec4f, left: vec4f, below: vec4f, above: vec4f) -> vec4f
 {
 let brightness: f32 = max(BokehBrightness(color), 0.0000001);
 let darkest: f32 = min(min(BokehBrightness(right), BokehBrightness(left)),
@@ -169,25 +169,26 @@ let ratio: f32 = brightest.z / brightness;
 let dark: f32 = clamp(0.25 * ratio - 1.0, 0.0, 1.0);
 let rim: f32 = clamp(5.0 * brightness / max(darkest, 0.0000001) - 6.5, 0.0, 1.0) *
 clamp(10.0 * ratio - 10.0, 0.0, 1.0);
-return vec3f(brightest.xy, max(dark, rim));
+return vec4f(brightest.xy, dark, rim);
 }
-fn BokehBrightNeighbor(ColorSamp: texture_2d<f32>, uv: vec2f, imageSize: vec2f) -> vec3f
+fn BokehBrightNeighbor(ColorSamp: texture_2d<f32>, uv: vec2f, imageSize: vec2f) -> vec4f
 {
 let pixel: vec2f = 1.0 / max(imageSize, vec2f(1.0, 1.0));
 let right: vec2f = vec2f(pixel.x, 0.0);
 let below: vec2f = vec2f(0.0, pixel.y);
-let brightest: vec3f = BokehLightBeside(BokehFetchTexel(ColorSamp, BokehToTexture(uv)),
+let brightest: vec4f = BokehLightBeside(BokehFetchTexel(ColorSamp, BokehToTexture(uv)),
 BokehFetchTexel(ColorSamp, BokehToTexture(uv + right)),
 BokehFetchTexel(ColorSamp, BokehToTexture(uv - right)),
 BokehFetchTexel(ColorSamp, BokehToTexture(uv + below)),
 BokehFetchTexel(ColorSamp, BokehToTexture(uv - below)));
-return vec3f(brightest.xy * pixel, brightest.z);
+return vec4f(brightest.xy * pixel, brightest.zw);
 }
-fn BokehLightCoC(CoC: f32, lightCoC: f32, weight: f32, imageHeight: f32) -> f32
+fn BokehLightCoC(CoC: f32, lightCoC: f32, weights: vec2f, imageHeight: f32) -> f32
 {
 let sharper: f32 = min(abs(CoC), abs(lightCoC));
-let blurred: f32 = clamp(sharper * imageHeight - 1.0, 0.0, 1.0);
-return CoC + (min(lightCoC, CoC) - CoC) * (weight * blurred);
+let dark: f32 = weights.x * clamp(sharper * imageHeight - 1.0, 0.0, 1.0);
+let rim: f32 = weights.y * clamp(abs(CoC) * imageHeight - 1.0, 0.0, 1.0);
+return CoC + (min(lightCoC, CoC) - CoC) * max(dark, rim);
 }
 fn BokehSignedCoCMap(ColorSamp: texture_2d<f32>, DepthSamp: BokehDepthTexture, uv: vec2f,
 depthUV: vec2f, imageSize: vec2f, lens: BokehLens, kind: i32, planes: vec2f) -> vec4f
@@ -195,13 +196,13 @@ depthUV: vec2f, imageSize: vec2f, lens: BokehLens, kind: i32, planes: vec2f) -> 
 var depth: f32 = BokehLinearDepth(BokehFetchDepth(DepthSamp, depthUV), kind, planes.x,
 planes.y);
 var CoC: f32 = BokehSignedCoC(depth, lens);
-let neighbor: vec3f = BokehBrightNeighbor(ColorSamp, uv, imageSize);
-if (neighbor.z > 0.0)
+let neighbor: vec4f = BokehBrightNeighbor(ColorSamp, uv, imageSize);
+if (max(neighbor.z, neighbor.w) > 0.0)
 {
 let offset: vec2f = BokehToTexture(uv + neighbor.xy) - BokehToTexture(uv);
 depth = BokehLinearDepth(BokehFetchDepth(DepthSamp, depthUV + offset), kind, planes.x,
 planes.y);
-CoC = BokehLightCoC(CoC, BokehSignedCoC(depth, lens), neighbor.z, imageSize.y);
+CoC = BokehLightCoC(CoC, BokehSignedCoC(depth, lens), neighbor.zw, imageSize.y);
 }
 return BokehPackCoC(BokehFetchTexel(ColorSamp, BokehToTexture(uv)), CoC);
 }
@@ -2115,11 +2116,11 @@ return vec4f(depth, depth, depth, 1.0);
 BokehUseViewport();
 let imageSize: vec2f = vec2f(bokehParameters.BokehImageWidth, bokehParameters.BokehImageHeight);
 var CoC: f32 = BokehPassCoC(BokehPassDepth(BokehDepthUV(input.uv)));
-let neighbor: vec3f = BokehBrightNeighbor(BokehColorSamp, input.uv, imageSize);
-if (neighbor.z > 0.0)
+let neighbor: vec4f = BokehBrightNeighbor(BokehColorSamp, input.uv, imageSize);
+if (max(neighbor.z, neighbor.w) > 0.0)
 {
 let lightUV: vec2f = BokehDepthUV(input.uv + neighbor.xy);
-CoC = BokehLightCoC(CoC, BokehPassCoC(BokehPassDepth(lightUV)), neighbor.z, imageSize.y);
+CoC = BokehLightCoC(CoC, BokehPassCoC(BokehPassDepth(lightUV)), neighbor.zw, imageSize.y);
 }
 return BokehPackCoC(BokehFetchTexel(BokehColorSamp, BokehToTexture(input.uv)), CoC);
 }

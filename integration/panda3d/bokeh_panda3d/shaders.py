@@ -220,7 +220,7 @@ result = vec3(direction, brightness);
 }
 return result;
 }
-vec3 BokehLightBeside(vec4 color, vec4 right, vec4 left, vec4 below, vec4 above)
+vec4 BokehLightBeside(vec4 color, vec4 right, vec4 left, vec4 below, vec4 above)
 {
 float brightness = max(BokehBrightness(color), 0.0000001);
 float darkest = min(min(BokehBrightness(right), BokehBrightness(left)),
@@ -234,38 +234,39 @@ float ratio = brightest.z / brightness;
 float dark = clamp(0.25 * ratio - 1.0, 0.0, 1.0);
 float rim = clamp(5.0 * brightness / max(darkest, 0.0000001) - 6.5, 0.0, 1.0) *
 clamp(10.0 * ratio - 10.0, 0.0, 1.0);
-return vec3(brightest.xy, max(dark, rim));
+return vec4(brightest.xy, dark, rim);
 }
-vec3 BokehBrightNeighbor(BOKEH_TEXTURE ColorSamp, vec2 uv, vec2 imageSize)
+vec4 BokehBrightNeighbor(BOKEH_TEXTURE ColorSamp, vec2 uv, vec2 imageSize)
 {
 vec2 pixel = 1.0 / max(imageSize, vec2(1.0, 1.0));
 vec2 right = vec2(pixel.x, 0.0);
 vec2 below = vec2(0.0, pixel.y);
-vec3 brightest = BokehLightBeside(BokehFetchTexel(ColorSamp, BokehToTexture(uv)),
+vec4 brightest = BokehLightBeside(BokehFetchTexel(ColorSamp, BokehToTexture(uv)),
 BokehFetchTexel(ColorSamp, BokehToTexture(uv + right)),
 BokehFetchTexel(ColorSamp, BokehToTexture(uv - right)),
 BokehFetchTexel(ColorSamp, BokehToTexture(uv + below)),
 BokehFetchTexel(ColorSamp, BokehToTexture(uv - below)));
-return vec3(brightest.xy * pixel, brightest.z);
+return vec4(brightest.xy * pixel, brightest.zw);
 }
-float BokehLightCoC(float CoC, float lightCoC, float weight, float imageHeight)
+float BokehLightCoC(float CoC, float lightCoC, vec2 weights, float imageHeight)
 {
 float sharper = min(abs(CoC), abs(lightCoC));
-float blurred = clamp(sharper * imageHeight - 1.0, 0.0, 1.0);
-return CoC + (min(lightCoC, CoC) - CoC) * (weight * blurred);
+float dark = weights.x * clamp(sharper * imageHeight - 1.0, 0.0, 1.0);
+float rim = weights.y * clamp(abs(CoC) * imageHeight - 1.0, 0.0, 1.0);
+return CoC + (min(lightCoC, CoC) - CoC) * max(dark, rim);
 }
 vec4 BokehSignedCoCMap(BOKEH_TEXTURE ColorSamp, BOKEH_DEPTH_TEXTURE DepthSamp, vec2 uv,
 vec2 depthUV, vec2 imageSize, BokehLens lens, int kind, vec2 planes)
 {
 float depth = BokehLinearDepth(BokehFetchDepth(DepthSamp, depthUV), kind, planes.x, planes.y);
 float CoC = BokehSignedCoC(depth, lens);
-vec3 neighbor = BokehBrightNeighbor(ColorSamp, uv, imageSize);
-if (neighbor.z > 0.0)
+vec4 neighbor = BokehBrightNeighbor(ColorSamp, uv, imageSize);
+if (max(neighbor.z, neighbor.w) > 0.0)
 {
 vec2 offset = BokehToTexture(uv + neighbor.xy) - BokehToTexture(uv);
 depth = BokehLinearDepth(BokehFetchDepth(DepthSamp, depthUV + offset), kind, planes.x,
 planes.y);
-CoC = BokehLightCoC(CoC, BokehSignedCoC(depth, lens), neighbor.z, imageSize.y);
+CoC = BokehLightCoC(CoC, BokehSignedCoC(depth, lens), neighbor.zw, imageSize.y);
 }
 return BokehPackCoC(BokehFetchTexel(ColorSamp, BokehToTexture(uv)), CoC);
 }
@@ -2239,11 +2240,11 @@ void main()
 BokehUseViewport();
 vec2 imageSize = vec2(BokehImageWidth, BokehImageHeight);
 float CoC = BokehPassCoC(BokehPassDepth(BokehDepthUV(BokehUV)));
-vec3 neighbor = BokehBrightNeighbor(BokehColorSamp, BokehUV, imageSize);
-if (neighbor.z > 0.0)
+vec4 neighbor = BokehBrightNeighbor(BokehColorSamp, BokehUV, imageSize);
+if (max(neighbor.z, neighbor.w) > 0.0)
 {
 vec2 lightUV = BokehDepthUV(BokehUV + neighbor.xy);
-CoC = BokehLightCoC(CoC, BokehPassCoC(BokehPassDepth(lightUV)), neighbor.z, imageSize.y);
+CoC = BokehLightCoC(CoC, BokehPassCoC(BokehPassDepth(lightUV)), neighbor.zw, imageSize.y);
 }
 BokehResult = BokehPackCoC(BokehFetchTexel(BokehColorSamp, BokehToTexture(BokehUV)), CoC);
 }

@@ -179,10 +179,10 @@ float4 MapPS(float4 position : SV_Position, float2 uv : TEXCOORD) : SV_Target
     float2 right = float2(BUFFER_RCP_WIDTH, 0.0);
     float2 below = float2(0.0, BUFFER_RCP_HEIGHT);
     float4 color = ColorAt(uv);
-    float3 light = BokehLightBeside(color, ColorAt(uv + right), ColorAt(uv - right), ColorAt(uv + below),
+    float4 light = BokehLightBeside(color, ColorAt(uv + right), ColorAt(uv - right), ColorAt(uv + below),
         ColorAt(uv - below));
     float2 lightUV = uv + light.x * right + light.y * below;
-    return float4(color.rgb, BokehLightCoC(CoCAt(uv), CoCAt(lightUV), light.z, BUFFER_HEIGHT));
+    return float4(color.rgb, BokehLightCoC(CoCAt(uv), CoCAt(lightUV), light.zw, BUFFER_HEIGHT));
 }
 
 // What the screen shows: the blurred picture, or with ShowFocus the sharp one in the colours of its focus

@@ -452,10 +452,10 @@ float3 BokehBrighter(float3 brightest, float4 color, float2 direction)
 //   color         of this pixel
 //   right, left, below, above  colours of the neighbours; below is the next row in memory; outside
 //                 the image pass this pixel again
-//   returns       xy = direction of the light, pixels; z = weight for BokehLightCoC. For a dark
-//                 pixel it ramps from 0 to 1 while the light is 4 to 8 times as bright; for a rim,
+//   returns       xy = direction of the light, pixels; zw = weights for BokehLightCoC. z, of a dark
+//                 pixel, ramps from 0 to 1 while the light is 4 to 8 times as bright; w, of a rim,
 //                 while the rim is 1.3 to 1.5 times as bright as its darkest neighbour.
-float3 BokehLightBeside(float4 color, float4 right, float4 left, float4 below, float4 above)
+float4 BokehLightBeside(float4 color, float4 right, float4 left, float4 below, float4 above)
 {
     float brightness = max(BokehBrightness(color), 0.0000001);
     float darkest = min(min(BokehBrightness(right), BokehBrightness(left)),
@@ -469,39 +469,40 @@ float3 BokehLightBeside(float4 color, float4 right, float4 left, float4 below, f
     float dark = clamp(0.25 * ratio - 1.0, 0.0, 1.0);
     float rim = clamp(5.0 * brightness / max(darkest, 0.0000001) - 6.5, 0.0, 1.0) *
         clamp(10.0 * ratio - 10.0, 0.0, 1.0);
-    return float3(brightest.xy, max(dark, rim));
+    return float4(brightest.xy, dark, rim);
 }
 
 // Listing 1: finds the light beside a pixel in a texture, see BokehLightBeside
 //   ColorSamp     linear HDR colour, read texel by texel
 //   imageSize     width and height, pixels
-//   returns       xy = offset of the light, uv; z = weight for BokehLightCoC
-float3 BokehBrightNeighbor(BOKEH_TEXTURE ColorSamp, float2 uv, float2 imageSize)
+//   returns       xy = offset of the light, uv; zw = weights for BokehLightCoC
+float4 BokehBrightNeighbor(BOKEH_TEXTURE ColorSamp, float2 uv, float2 imageSize)
 {
     float2 pixel = 1.0 / max(imageSize, float2(1.0, 1.0));
     float2 right = float2(pixel.x, 0.0);
     float2 below = float2(0.0, pixel.y);
-    float3 brightest = BokehLightBeside(BokehFetchTexel(ColorSamp, BokehToTexture(uv)),
+    float4 brightest = BokehLightBeside(BokehFetchTexel(ColorSamp, BokehToTexture(uv)),
         BokehFetchTexel(ColorSamp, BokehToTexture(uv + right)),
         BokehFetchTexel(ColorSamp, BokehToTexture(uv - right)),
         BokehFetchTexel(ColorSamp, BokehToTexture(uv + below)),
         BokehFetchTexel(ColorSamp, BokehToTexture(uv - below)));
-    return float3(brightest.xy * pixel, brightest.z);
+    return float4(brightest.xy * pixel, brightest.zw);
 }
 
 // Listing 1: returns the CoC of a pixel beside a light: the light's, if that is nearer to the
 //   camera
-//   If one of the two is in focus, each keeps its own, so that nothing sharp gets blurred and
-//   nothing blurred gets sharp: the light's CoC fades in while the smaller CoC grows from one pixel
-//   to two.
+//   A dark pixel and a light keep their own CoC if one of them is in focus, so that nothing sharp
+//   gets blurred and nothing blurred gets sharp. A rim takes that of an object in focus, because it
+//   shows that object's colour. Both fade in while a CoC grows from one pixel to two.
 //   CoC, lightCoC  signed, fractions of the image height
-//   weight        from BokehLightBeside or BokehBrightNeighbor
+//   weights       zw of BokehLightBeside or BokehBrightNeighbor
 //   imageHeight   pixels
-float BokehLightCoC(float CoC, float lightCoC, float weight, float imageHeight)
+float BokehLightCoC(float CoC, float lightCoC, float2 weights, float imageHeight)
 {
     float sharper = min(abs(CoC), abs(lightCoC));
-    float blurred = clamp(sharper * imageHeight - 1.0, 0.0, 1.0);
-    return CoC + (min(lightCoC, CoC) - CoC) * (weight * blurred);
+    float dark = weights.x * clamp(sharper * imageHeight - 1.0, 0.0, 1.0);
+    float rim = weights.y * clamp(abs(CoC) * imageHeight - 1.0, 0.0, 1.0);
+    return CoC + (min(lightCoC, CoC) - CoC) * max(dark, rim);
 }
 
 // Listing 1: makes the CoC map, first pass of `exact` and `layered`
@@ -523,13 +524,13 @@ float4 BokehSignedCoCMap(BOKEH_TEXTURE ColorSamp, BOKEH_DEPTH_TEXTURE DepthSamp,
 {
     float depth = BokehLinearDepth(BokehFetchDepth(DepthSamp, depthUV), kind, planes.x, planes.y);
     float CoC = BokehSignedCoC(depth, lens);
-    float3 neighbor = BokehBrightNeighbor(ColorSamp, uv, imageSize);
-    if (neighbor.z > 0.0)
+    float4 neighbor = BokehBrightNeighbor(ColorSamp, uv, imageSize);
+    if (max(neighbor.z, neighbor.w) > 0.0)
     {
         float2 offset = BokehToTexture(uv + neighbor.xy) - BokehToTexture(uv);
         depth = BokehLinearDepth(BokehFetchDepth(DepthSamp, depthUV + offset), kind, planes.x,
             planes.y);
-        CoC = BokehLightCoC(CoC, BokehSignedCoC(depth, lens), neighbor.z, imageSize.y);
+        CoC = BokehLightCoC(CoC, BokehSignedCoC(depth, lens), neighbor.zw, imageSize.y);
     }
     return BokehPackCoC(BokehFetchTexel(ColorSamp, BokehToTexture(uv)), CoC);
 }

@@ -437,11 +437,11 @@ float4 BokehSignedCoCMap_PS(BOKEH_INPUT) : BOKEH_OUTPUT
     BokehUseViewport();
     float2 imageSize = float2(BokehImageWidth, BokehImageHeight);
     float CoC = BokehPassCoC(BokehPassDepth(BokehDepthUV(uv)));
-    float3 neighbor = BokehBrightNeighbor(BokehColorSamp, uv, imageSize);
-    if (neighbor.z > 0.0)
+    float4 neighbor = BokehBrightNeighbor(BokehColorSamp, uv, imageSize);
+    if (max(neighbor.z, neighbor.w) > 0.0)
     {
         float2 lightUV = BokehDepthUV(uv + neighbor.xy);
-        CoC = BokehLightCoC(CoC, BokehPassCoC(BokehPassDepth(lightUV)), neighbor.z, imageSize.y);
+        CoC = BokehLightCoC(CoC, BokehPassCoC(BokehPassDepth(lightUV)), neighbor.zw, imageSize.y);
     }
     return BokehPackCoC(BokehFetchTexel(BokehColorSamp, BokehToTexture(uv)), CoC);
 }

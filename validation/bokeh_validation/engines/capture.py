@@ -10,7 +10,7 @@ capture.json is next to raw little-endian files, whose rows start at v = 0 (the 
      "camera": {"aperture_diameter": 0.05, "focal_length": 0.05, "focus_distance": 5.0, "sensor_height": 0.024,
                 "max_coc": 0.1},
      "shots": [{"name": "exact-hexagon", "method": "exact", "aperture": "hexagon", "result": "exact-hexagon.f16",
-                "targets": true}, ...]}
+                "use_mrt": true}, ...]}
 
 All keys of a shot except name and result are fields of methods.Settings; fields that are left out have their defaults.
 A shot may have its own camera, color, depth and stored, which override the common ones.

@@ -195,11 +195,11 @@ void main()
 	lens.maxCoC = parameters.max_coc;
 	float coc = BokehSignedCoC(SceneDepth(uv), lens);
 	// beside a light the light's
-	vec3 neighbor = BokehBrightNeighbor(slot_0, uv, parameters.image_size);
-	if (neighbor.z > 0.0)
+	vec4 neighbor = BokehBrightNeighbor(slot_0, uv, parameters.image_size);
+	if (max(neighbor.z, neighbor.w) > 0.0)
 	{
 		float light_coc = BokehSignedCoC(SceneDepth(uv + neighbor.xy), lens);
-		coc = BokehLightCoC(coc, light_coc, neighbor.z, parameters.image_size.y);
+		coc = BokehLightCoC(coc, light_coc, neighbor.zw, parameters.image_size.y);
 	}
 	target_0 = BokehPackCoC(BokehFetchTexel(slot_0, uv), coc);
 }
