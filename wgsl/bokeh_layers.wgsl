@@ -1120,10 +1120,9 @@ fn BokehGatherRing(before: BokehGather, MapSamp: texture_2d<f32>, ring: i32, onE
     let innerSquare: f32 = gather.inner * gather.inner;
     let area: f32 = outer * outer - innerSquare;
     var phase: f32 = layers.jitter * clamp(current / f32(ring) - 1.0, 0.0, 1.0);
-    if (ring != 2 && onEdge == BokehSamplesPerEdge(1, polygon))
+    if (ring != 2)
     {
-        // rotate a ring of few samples by half a step: its samples then fill the gaps of the ring
-        // beside it
+        // rotate it by half a step: its samples then fill the gaps of the ring beside it
         phase += 0.5;
     }
     // axes of the upright polygon, in pixels: compilers can fold the arithmetic on its corners
@@ -1248,42 +1247,57 @@ fn BokehComposite(MapSamp: texture_2d<f32>, GatherTilesSamp: texture_2d<f32>,
         let edges: f32 = max(tile.r, tile.g - 16.0);
         gather.snapping = 3.75 * clamp(edges / 5.0, 0.0, 1.0) + 100.0 * clamp((edges - 10.0) / 16.0,
             0.0, 1.0);
-        // The rings of few samples: the first, and the last one of a wide gather. They have their
-        // own loop because compilers unroll loops over a known number of samples.
+        // where the ring of few samples begins that a wide gather ends with
         var lastInner: f32 = radius;
         if (wideRings > denseRings)
         {
             lastInner = min(BokehRingBorder(BOKEH_LAYER_RINGS, radius, spacing, narrowing), radius);
         }
-        var denseInner: f32 = gather.inner;
-        for (var sparse: i32 = 0; sparse < 2; sparse++)
+        var end: f32 = radius;
+        var first: i32 = 1;
+        if (BOKEH_SIDES > 0)
         {
-            var ring: i32 = 1 + sparse * BOKEH_LAYER_RINGS;
-            if (sparse > 0)
+            // Compilers write out loops over a known number of samples, so the rings of few
+            // samples, the first and that of a wide gather, have a loop of their own.
+            var denseInner: f32 = gather.inner;
+            for (var sparse: i32 = 0; sparse < 2; sparse++)
             {
-                denseInner = gather.inner;
-                gather.inner = lastInner;
+                var ring: i32 = 1 + sparse * BOKEH_LAYER_RINGS;
+                if (sparse > 0)
+                {
+                    denseInner = gather.inner;
+                    gather.inner = lastInner;
+                }
+                if (gather.inner >= radius)
+                {
+                    break;
+                }
+                let outer: f32 = min(BokehRingBorder(ring, radius, spacing, narrowing), radius);
+                gather = BokehGatherRing(gather, MapSamp, ring, BokehSamplesPerEdge(1, polygon),
+                    outer, polygon, layers, BokehLinearClamp);
             }
-            if (gather.inner >= radius)
-            {
-                break;
-            }
-            let outer: f32 = min(BokehRingBorder(ring, radius, spacing, narrowing), radius);
-            gather = BokehGatherRing(gather, MapSamp, ring, BokehSamplesPerEdge(1, polygon), outer,
-                polygon, layers, BokehLinearClamp);
+            gather.inner = denseInner;
+            end = lastInner;
+            first = 2;
         }
-        gather.inner = denseInner;
-        for (var ring: i32 = 2; ring <= BOKEH_LAYER_RINGS + 1; ring++)
+        for (var ring: i32 = first; ring <= BOKEH_LAYER_RINGS + 1; ring++)
         {
-            if (gather.inner >= lastInner)
+            if (gather.inner >= end)
             {
                 break;
             }
-            let outer: f32 = min(BokehRingBorder(ring, radius, spacing, narrowing), lastInner);
+            let outer: f32 = min(BokehRingBorder(ring, radius, spacing, narrowing), end);
             var onEdge: i32 = BokehSamplesPerEdge(BOKEH_LAYER_RINGS, polygon);
-            if (BOKEH_LAYER_RINGS > 2)
+            if (first < BOKEH_LAYER_RINGS)
             {
                 onEdge = BokehSamplesPerEdge(min(ring, BOKEH_LAYER_RINGS), polygon);
+            }
+            if (first < 2 && ring > BOKEH_LAYER_RINGS)
+            {
+                if (wideRings > denseRings)
+                {
+                    onEdge = BokehSamplesPerEdge(1, polygon);
+                }
             }
             gather = BokehGatherRing(gather, MapSamp, ring, onEdge, outer, polygon, layers,
                 BokehLinearClamp);
@@ -1291,13 +1305,10 @@ fn BokehComposite(MapSamp: texture_2d<f32>, GatherTilesSamp: texture_2d<f32>,
 
         var nearLayer: vec4f = vec4f(0.0, 0.0, 0.0, 0.0);
         var farLayer: vec4f = vec4f(0.0, 0.0, 0.0, 0.0);
-        let halves: BokehGrid = BokehReducedGrid(layers, 2.0);
-        if (tile.r > 6.0)
+        if (max(tile.r - 6.0, tile.g - 10.0) > 0.0)
         {
+            let halves: BokehGrid = BokehReducedGrid(layers, 2.0);
             nearLayer = BokehFetchLayer(NearSamp, 0.5 * center, halves, BokehLinearClamp);
-        }
-        if (tile.g > 10.0)
-        {
             farLayer = BokehFetchLayer(FarSamp, 0.5 * center, halves, BokehLinearClamp);
         }
         // at pixels of a layer, the layer itself is added below

@@ -1569,7 +1569,7 @@ float current = gather.inner + (outer - gather.inner) * outwards;
 float innerSquare = gather.inner * gather.inner;
 float area = outer * outer - innerSquare;
 float phase = layers.jitter * clamp(current / float(ring) - 1.0, 0.0, 1.0);
-if (ring != 2 && onEdge == BokehSamplesPerEdge(1, polygon))
+if (ring != 2)
 {
 phase += 0.5;
 }
@@ -1668,6 +1668,10 @@ if (wideRings > denseRings)
 {
 lastInner = min(BokehRingBorder(BOKEH_LAYER_RINGS, radius, spacing, narrowing), radius);
 }
+float end = radius;
+int first = 1;
+if (BOKEH_SIDES > 0)
+{
 float denseInner = gather.inner;
 for (int sparse = 0; sparse < 2; sparse++)
 {
@@ -1682,33 +1686,40 @@ if (gather.inner >= radius)
 break;
 }
 float outer = min(BokehRingBorder(ring, radius, spacing, narrowing), radius);
-gather = BokehGatherRing(gather, MapSamp, ring, BokehSamplesPerEdge(1, polygon), outer,
-polygon, layers);
+gather = BokehGatherRing(gather, MapSamp, ring, BokehSamplesPerEdge(1, polygon),
+outer, polygon, layers);
 }
 gather.inner = denseInner;
-for (int ring = 2; ring <= BOKEH_LAYER_RINGS + 1; ring++)
+end = lastInner;
+first = 2;
+}
+for (int ring = first; ring <= BOKEH_LAYER_RINGS + 1; ring++)
 {
-if (gather.inner >= lastInner)
+if (gather.inner >= end)
 {
 break;
 }
-float outer = min(BokehRingBorder(ring, radius, spacing, narrowing), lastInner);
+float outer = min(BokehRingBorder(ring, radius, spacing, narrowing), end);
 int onEdge = BokehSamplesPerEdge(BOKEH_LAYER_RINGS, polygon);
-if (BOKEH_LAYER_RINGS > 2)
+if (first < BOKEH_LAYER_RINGS)
 {
 onEdge = BokehSamplesPerEdge(min(ring, BOKEH_LAYER_RINGS), polygon);
+}
+if (first < 2 && ring > BOKEH_LAYER_RINGS)
+{
+if (wideRings > denseRings)
+{
+onEdge = BokehSamplesPerEdge(1, polygon);
+}
 }
 gather = BokehGatherRing(gather, MapSamp, ring, onEdge, outer, polygon, layers);
 }
 vec4 nearLayer = vec4(0.0, 0.0, 0.0, 0.0);
 vec4 farLayer = vec4(0.0, 0.0, 0.0, 0.0);
+if (max(tile.r - 6.0, tile.g - 10.0) > 0.0)
+{
 BokehGrid halves = BokehReducedGrid(layers, 2.0);
-if (tile.r > 6.0)
-{
 nearLayer = BokehFetchLayer(NearSamp, 0.5 * center, halves);
-}
-if (tile.g > 10.0)
-{
 farLayer = BokehFetchLayer(FarSamp, 0.5 * center, halves);
 }
 vec4 sum = gather.sum + farLayer * (gather.farFound * (1.0 - max(farWeight, nearWeight)) /

@@ -1132,10 +1132,9 @@ BokehGather BokehGatherRing(BokehGather before, BOKEH_TEXTURE MapSamp, int ring,
     float innerSquare = gather.inner * gather.inner;
     float area = outer * outer - innerSquare;
     float phase = layers.jitter * clamp(current / float(ring) - 1.0, 0.0, 1.0);
-    if (ring != 2 && onEdge == BokehSamplesPerEdge(1, polygon))
+    if (ring != 2)
     {
-        // rotate a ring of few samples by half a step: its samples then fill the gaps of the ring
-        // beside it
+        // rotate it by half a step: its samples then fill the gaps of the ring beside it
         phase += 0.5;
     }
     // axes of the upright polygon, in pixels: compilers can fold the arithmetic on its corners
@@ -1258,42 +1257,57 @@ float4 BokehComposite(BOKEH_TEXTURE MapSamp, BOKEH_TEXTURE GatherTilesSamp, BOKE
         float edges = max(tile.r, tile.g - 16.0);
         gather.snapping = 3.75 * clamp(edges / 5.0, 0.0, 1.0) + 100.0 * clamp((edges - 10.0) / 16.0,
             0.0, 1.0);
-        // The rings of few samples: the first, and the last one of a wide gather. They have their
-        // own loop because compilers unroll loops over a known number of samples.
+        // where the ring of few samples begins that a wide gather ends with
         float lastInner = radius;
         if (wideRings > denseRings)
         {
             lastInner = min(BokehRingBorder(BOKEH_LAYER_RINGS, radius, spacing, narrowing), radius);
         }
-        float denseInner = gather.inner;
-        BOKEH_LOOP for (int sparse = 0; sparse < 2; sparse++)
+        float end = radius;
+        int first = 1;
+        if (BOKEH_SIDES > 0)
         {
-            int ring = 1 + sparse * BOKEH_LAYER_RINGS;
-            if (sparse > 0)
+            // Compilers write out loops over a known number of samples, so the rings of few
+            // samples, the first and that of a wide gather, have a loop of their own.
+            float denseInner = gather.inner;
+            BOKEH_LOOP for (int sparse = 0; sparse < 2; sparse++)
             {
-                denseInner = gather.inner;
-                gather.inner = lastInner;
+                int ring = 1 + sparse * BOKEH_LAYER_RINGS;
+                if (sparse > 0)
+                {
+                    denseInner = gather.inner;
+                    gather.inner = lastInner;
+                }
+                if (gather.inner >= radius)
+                {
+                    break;
+                }
+                float outer = min(BokehRingBorder(ring, radius, spacing, narrowing), radius);
+                gather = BokehGatherRing(gather, MapSamp, ring, BokehSamplesPerEdge(1, polygon),
+                    outer, polygon, layers BOKEH_LINEAR);
             }
-            if (gather.inner >= radius)
-            {
-                break;
-            }
-            float outer = min(BokehRingBorder(ring, radius, spacing, narrowing), radius);
-            gather = BokehGatherRing(gather, MapSamp, ring, BokehSamplesPerEdge(1, polygon), outer,
-                polygon, layers BOKEH_LINEAR);
+            gather.inner = denseInner;
+            end = lastInner;
+            first = 2;
         }
-        gather.inner = denseInner;
-        BOKEH_LOOP for (int ring = 2; ring <= BOKEH_LAYER_RINGS + 1; ring++)
+        BOKEH_LOOP for (int ring = first; ring <= BOKEH_LAYER_RINGS + 1; ring++)
         {
-            if (gather.inner >= lastInner)
+            if (gather.inner >= end)
             {
                 break;
             }
-            float outer = min(BokehRingBorder(ring, radius, spacing, narrowing), lastInner);
+            float outer = min(BokehRingBorder(ring, radius, spacing, narrowing), end);
             int onEdge = BokehSamplesPerEdge(BOKEH_LAYER_RINGS, polygon);
-            if (BOKEH_LAYER_RINGS > 2)
+            if (first < BOKEH_LAYER_RINGS)
             {
                 onEdge = BokehSamplesPerEdge(min(ring, BOKEH_LAYER_RINGS), polygon);
+            }
+            if (first < 2 && ring > BOKEH_LAYER_RINGS)
+            {
+                if (wideRings > denseRings)
+                {
+                    onEdge = BokehSamplesPerEdge(1, polygon);
+                }
             }
             gather = BokehGatherRing(gather, MapSamp, ring, onEdge, outer, polygon,
                 layers BOKEH_LINEAR);
@@ -1301,13 +1315,10 @@ float4 BokehComposite(BOKEH_TEXTURE MapSamp, BOKEH_TEXTURE GatherTilesSamp, BOKE
 
         float4 nearLayer = float4(0.0, 0.0, 0.0, 0.0);
         float4 farLayer = float4(0.0, 0.0, 0.0, 0.0);
-        BokehGrid halves = BokehReducedGrid(layers, 2.0);
-        if (tile.r > 6.0)
+        if (max(tile.r - 6.0, tile.g - 10.0) > 0.0)
         {
+            BokehGrid halves = BokehReducedGrid(layers, 2.0);
             nearLayer = BokehFetchLayer(NearSamp, 0.5 * center, halves BOKEH_LINEAR);
-        }
-        if (tile.g > 10.0)
-        {
             farLayer = BokehFetchLayer(FarSamp, 0.5 * center, halves BOKEH_LINEAR);
         }
         // at pixels of a layer, the layer itself is added below

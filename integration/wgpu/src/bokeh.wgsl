@@ -1532,7 +1532,7 @@ let current: f32 = gather.inner + (outer - gather.inner) * outwards;
 let innerSquare: f32 = gather.inner * gather.inner;
 let area: f32 = outer * outer - innerSquare;
 var phase: f32 = layers.jitter * clamp(current / f32(ring) - 1.0, 0.0, 1.0);
-if (ring != 2 && onEdge == BokehSamplesPerEdge(1, polygon))
+if (ring != 2)
 {
 phase += 0.5;
 }
@@ -1634,6 +1634,10 @@ if (wideRings > denseRings)
 {
 lastInner = min(BokehRingBorder(BOKEH_LAYER_RINGS, radius, spacing, narrowing), radius);
 }
+var end: f32 = radius;
+var first: i32 = 1;
+if (BOKEH_SIDES > 0)
+{
 var denseInner: f32 = gather.inner;
 for (var sparse: i32 = 0; sparse < 2; sparse++)
 {
@@ -1648,34 +1652,41 @@ if (gather.inner >= radius)
 break;
 }
 let outer: f32 = min(BokehRingBorder(ring, radius, spacing, narrowing), radius);
-gather = BokehGatherRing(gather, MapSamp, ring, BokehSamplesPerEdge(1, polygon), outer,
-polygon, layers, BokehLinearClamp);
+gather = BokehGatherRing(gather, MapSamp, ring, BokehSamplesPerEdge(1, polygon),
+outer, polygon, layers, BokehLinearClamp);
 }
 gather.inner = denseInner;
-for (var ring: i32 = 2; ring <= BOKEH_LAYER_RINGS + 1; ring++)
+end = lastInner;
+first = 2;
+}
+for (var ring: i32 = first; ring <= BOKEH_LAYER_RINGS + 1; ring++)
 {
-if (gather.inner >= lastInner)
+if (gather.inner >= end)
 {
 break;
 }
-let outer: f32 = min(BokehRingBorder(ring, radius, spacing, narrowing), lastInner);
+let outer: f32 = min(BokehRingBorder(ring, radius, spacing, narrowing), end);
 var onEdge: i32 = BokehSamplesPerEdge(BOKEH_LAYER_RINGS, polygon);
-if (BOKEH_LAYER_RINGS > 2)
+if (first < BOKEH_LAYER_RINGS)
 {
 onEdge = BokehSamplesPerEdge(min(ring, BOKEH_LAYER_RINGS), polygon);
+}
+if (first < 2 && ring > BOKEH_LAYER_RINGS)
+{
+if (wideRings > denseRings)
+{
+onEdge = BokehSamplesPerEdge(1, polygon);
+}
 }
 gather = BokehGatherRing(gather, MapSamp, ring, onEdge, outer, polygon, layers,
 BokehLinearClamp);
 }
 var nearLayer: vec4f = vec4f(0.0, 0.0, 0.0, 0.0);
 var farLayer: vec4f = vec4f(0.0, 0.0, 0.0, 0.0);
+if (max(tile.r - 6.0, tile.g - 10.0) > 0.0)
+{
 let halves: BokehGrid = BokehReducedGrid(layers, 2.0);
-if (tile.r > 6.0)
-{
 nearLayer = BokehFetchLayer(NearSamp, 0.5 * center, halves, BokehLinearClamp);
-}
-if (tile.g > 10.0)
-{
 farLayer = BokehFetchLayer(FarSamp, 0.5 * center, halves, BokehLinearClamp);
 }
 let sum: vec4f = gather.sum + farLayer * (gather.farFound * (1.0 - max(farWeight,
