@@ -764,7 +764,7 @@ struct BokehFilled
 //   Reads midWithHoles, farWithHoles and dilatedTiles, and writes both without holes. Around each
 //   texel lie three rings, and the nearest background has by far the highest weight:
 //
-//      o    o    o      ring diameters are 1/8, 1/4 and 1/2 of the largest near CoC in reach;
+//      o    o    o      ring diameters are 1/8, 0.35 and 1 of the largest near CoC in reach;
 //        o o o          a texel at a ring's diameter d has the weight 1 / (1 + 4 d^3),
 //      o o x o o        times its own weight, which is 0 in a hole
 //        o o o
@@ -793,7 +793,7 @@ BokehFilled BokehHoleFill(BOKEH_TEXTURE MidSamp, BOKEH_TEXTURE FarSamp,
             break;
         }
         // diameter in texels: an eighth, a quarter, half and all of the CoC
-        float diameter = max(nearCoC / 8.0, 2.0) * exp2(float(ring) - 2.0);
+        float diameter = max(nearCoC / 8.0, 2.0) * exp2(1.5 * float(ring) - 2.0);
         float weight = 1.0 / (1.0 + 4.0 * diameter * diameter * diameter);
         float2 scale = float2(polygon.squeeze * diameter, diameter);
         int onEdge = BokehSamplesPerEdge(1, polygon);

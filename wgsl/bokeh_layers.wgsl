@@ -740,7 +740,7 @@ struct BokehFilled
 //   Reads midWithHoles, farWithHoles and dilatedTiles, and writes both without holes. Around each
 //   texel lie three rings, and the nearest background has by far the highest weight:
 //
-//      o    o    o      ring diameters are 1/8, 1/4 and 1/2 of the largest near CoC in reach;
+//      o    o    o      ring diameters are 1/8, 0.35 and 1 of the largest near CoC in reach;
 //        o o o          a texel at a ring's diameter d has the weight 1 / (1 + 4 d^3),
 //      o o x o o        times its own weight, which is 0 in a hole
 //        o o o
@@ -770,7 +770,7 @@ fn BokehHoleFill(MidSamp: texture_2d<f32>, FarSamp: texture_2d<f32>,
             break;
         }
         // diameter in texels: an eighth, a quarter, half and all of the CoC
-        let diameter: f32 = max(nearCoC / 8.0, 2.0) * exp2(f32(ring) - 2.0);
+        let diameter: f32 = max(nearCoC / 8.0, 2.0) * exp2(1.5 * f32(ring) - 2.0);
         let weight: f32 = 1.0 / (1.0 + 4.0 * diameter * diameter * diameter);
         let scale: vec2f = vec2f(polygon.squeeze * diameter, diameter);
         let onEdge: i32 = BokehSamplesPerEdge(1, polygon);

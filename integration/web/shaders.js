@@ -1326,7 +1326,7 @@ if(nearCoC < 6.0)
 {
 break;
 }
-float diameter=max(nearCoC/8.0,2.0)*exp2(float(ring)-2.0);
+float diameter=max(nearCoC/8.0,2.0)*exp2(1.5*float(ring)-2.0);
 float weight=1.0/(1.0+4.0*diameter*diameter*diameter);
 vec2 scale=vec2(polygon.squeeze*diameter,diameter);
 int onEdge=BokehSamplesPerEdge(1,polygon);
@@ -3164,7 +3164,7 @@ if(nearCoC < 6.0)
 {
 break;
 }
-let diameter:f32=max(nearCoC/8.0,2.0)*exp2(f32(ring)-2.0);
+let diameter:f32=max(nearCoC/8.0,2.0)*exp2(1.5*f32(ring)-2.0);
 let weight:f32=1.0/(1.0+4.0*diameter*diameter*diameter);
 let scale:vec2f=vec2f(polygon.squeeze*diameter,diameter);
 let onEdge:i32=BokehSamplesPerEdge(1,polygon);

@@ -1262,7 +1262,7 @@ if (nearCoC < 6.0)
 {
 break;
 }
-let diameter: f32 = max(nearCoC / 8.0, 2.0) * exp2(f32(ring) - 2.0);
+let diameter: f32 = max(nearCoC / 8.0, 2.0) * exp2(1.5 * f32(ring) - 2.0);
 let weight: f32 = 1.0 / (1.0 + 4.0 * diameter * diameter * diameter);
 let scale: vec2f = vec2f(polygon.squeeze * diameter, diameter);
 let onEdge: i32 = BokehSamplesPerEdge(1, polygon);
