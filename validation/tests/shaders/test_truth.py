@@ -14,7 +14,7 @@ from bokeh_validation.truth import ray_traced
 
 SCENES = {scene.name: scene for scene in ray_traced.SCENES}
 # Maximum FLIP of MEDIUM, below every other method of docs/results.md
-BOUNDS = {"street_11": 0.042, "canopy_12": 0.139, "street_11x3": 0.105, "canopy_12x3": 0.270, "market_7": 0.181}
+BOUNDS = {"street_11": 0.035, "canopy_12": 0.137, "street_11x3": 0.091, "canopy_12x3": 0.265, "market_7": 0.177}
 # What `validation/run truth --json` wrote, and how far FLIP may be from it: it repeats exactly on one version of Mesa,
 # the margin is for others. This notices constants that matter in these scenes, even if they are changed in all three
 # languages and with expected images written anew (sigma 0.0375 to 0.06: market_7 changes by 0.0104). It does not
@@ -24,7 +24,6 @@ RECORDED = {
     for row in json.loads((paths.ROOT / "docs/data/truth.json").read_text(encoding="utf-8"))["rows"]
 }
 SAME = 0.0005
-BRANCHES = ("canopy_12x3",)
 # How far FLIP of the octagon against its truth may be from the hexagon's
 OCTAGON_OFF = 0.006
 
@@ -40,13 +39,13 @@ def flip(name: str, label: str, aperture: str = "hexagon", **changes) -> float:
 def test_layered(name, request):
     """Check that MEDIUM is within its bound and as recorded, with one set of parameters for all scenes.
 
-    LOW must be nearer to the truth than exact, except among wide branches, where exact's lines keep objects' blur
-    apart. This is checked on the widest blur, on street_11 in test_command, and on all scenes with --all.
+    LOW must be nearer to the truth than exact. This is checked on the widest blur, on street_11 in test_command, and on
+    all scenes with --all.
     """
     assert flip(name, "layered medium") <= BOUNDS[name]
     assert flip(name, "layered medium") == pytest.approx(RECORDED[name, "layered medium"]["flip"], abs=SAME)
     if name == "canopy_12x3" or request.config.getoption("--all"):
-        assert (flip(name, "layered low") < flip(name, "exact")) == (name not in BRANCHES)
+        assert flip(name, "layered low") < flip(name, "exact")
 
 
 @pytest.mark.report
