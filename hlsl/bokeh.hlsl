@@ -492,7 +492,8 @@ float4 BokehBrightNeighbor(BOKEH_TEXTURE ColorSamp, float2 uv, float2 imageSize)
 //   camera
 //   A dark pixel and a light keep their own CoC if one of them is in focus, so that nothing sharp
 //   gets blurred and nothing blurred gets sharp. A rim takes that of an object in focus, because it
-//   shows that object's colour. Both fade in while a CoC grows from one pixel to two.
+//   shows that object's colour. Both fade in while a CoC grows from one pixel to two; between a
+//   pixel behind the focus and a light in front of it, they switch.
 //   CoC, lightCoC  signed, fractions of the image height
 //   weights       zw of BokehLightBeside or BokehBrightNeighbor
 //   imageHeight   pixels
@@ -501,7 +502,13 @@ float BokehLightCoC(float CoC, float lightCoC, float2 weights, float imageHeight
     float sharper = min(abs(CoC), abs(lightCoC));
     float dark = weights.x * clamp(sharper * imageHeight - 1.0, 0.0, 1.0);
     float rim = weights.y * clamp(abs(CoC) * imageHeight - 1.0, 0.0, 1.0);
-    return CoC + (min(lightCoC, CoC) - CoC) * max(dark, rim);
+    float weight = max(dark, rim);
+    if (lightCoC < 0.0 && CoC > 0.0)
+    {
+        // in between lies a CoC of 0: a mixture would be sharp
+        weight = floor(weight + 0.5);
+    }
+    return CoC + (min(lightCoC, CoC) - CoC) * weight;
 }
 
 // Listing 1: makes the CoC map, first pass of `exact` and `layered`

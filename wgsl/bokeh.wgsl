@@ -386,7 +386,8 @@ fn BokehBrightNeighbor(ColorSamp: texture_2d<f32>, uv: vec2f, imageSize: vec2f) 
 //   camera
 //   A dark pixel and a light keep their own CoC if one of them is in focus, so that nothing sharp
 //   gets blurred and nothing blurred gets sharp. A rim takes that of an object in focus, because it
-//   shows that object's colour. Both fade in while a CoC grows from one pixel to two.
+//   shows that object's colour. Both fade in while a CoC grows from one pixel to two; between a
+//   pixel behind the focus and a light in front of it, they switch.
 //   CoC, lightCoC  signed, fractions of the image height
 //   weights       zw of BokehLightBeside or BokehBrightNeighbor
 //   imageHeight   pixels
@@ -395,7 +396,13 @@ fn BokehLightCoC(CoC: f32, lightCoC: f32, weights: vec2f, imageHeight: f32) -> f
     let sharper: f32 = min(abs(CoC), abs(lightCoC));
     let dark: f32 = weights.x * clamp(sharper * imageHeight - 1.0, 0.0, 1.0);
     let rim: f32 = weights.y * clamp(abs(CoC) * imageHeight - 1.0, 0.0, 1.0);
-    return CoC + (min(lightCoC, CoC) - CoC) * max(dark, rim);
+    var weight: f32 = max(dark, rim);
+    if (lightCoC < 0.0 && CoC > 0.0)
+    {
+        // in between lies a CoC of 0: a mixture would be sharp
+        weight = floor(weight + 0.5);
+    }
+    return CoC + (min(lightCoC, CoC) - CoC) * weight;
 }
 
 // Listing 1: makes the CoC map, first pass of `exact` and `layered`

@@ -255,7 +255,12 @@ float BokehLightCoC(float CoC,float lightCoC,vec2 weights,float imageHeight)
 float sharper=min(abs(CoC),abs(lightCoC));
 float dark=weights.x*clamp(sharper*imageHeight-1.0,0.0,1.0);
 float rim=weights.y*clamp(abs(CoC)*imageHeight-1.0,0.0,1.0);
-return CoC+(min(lightCoC,CoC)-CoC)*max(dark,rim);
+float weight=max(dark,rim);
+if(lightCoC < 0.0&&CoC > 0.0)
+{
+weight=floor(weight+0.5);
+}
+return CoC+(min(lightCoC,CoC)-CoC)*weight;
 }
 vec4 BokehSignedCoCMap(BOKEH_TEXTURE ColorSamp,BOKEH_DEPTH_TEXTURE DepthSamp,vec2 uv,
 vec2 depthUV,vec2 imageSize,BokehLens lens,int kind,vec2 planes)
@@ -2086,7 +2091,12 @@ fn BokehLightCoC(CoC:f32,lightCoC:f32,weights:vec2f,imageHeight:f32)->f32
 let sharper:f32=min(abs(CoC),abs(lightCoC));
 let dark:f32=weights.x*clamp(sharper*imageHeight-1.0,0.0,1.0);
 let rim:f32=weights.y*clamp(abs(CoC)*imageHeight-1.0,0.0,1.0);
-return CoC+(min(lightCoC,CoC)-CoC)*max(dark,rim);
+var weight:f32=max(dark,rim);
+if(lightCoC < 0.0&&CoC > 0.0)
+{
+weight=floor(weight+0.5);
+}
+return CoC+(min(lightCoC,CoC)-CoC)*weight;
 }
 fn BokehSignedCoCMap(ColorSamp:texture_2d<f32>,DepthSamp:BokehDepthTexture,uv:vec2f,
 depthUV:vec2f,imageSize:vec2f,lens:BokehLens,kind:i32,planes:vec2f)->vec4f

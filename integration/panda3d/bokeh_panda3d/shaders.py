@@ -253,7 +253,12 @@ float BokehLightCoC(float CoC, float lightCoC, vec2 weights, float imageHeight)
 float sharper = min(abs(CoC), abs(lightCoC));
 float dark = weights.x * clamp(sharper * imageHeight - 1.0, 0.0, 1.0);
 float rim = weights.y * clamp(abs(CoC) * imageHeight - 1.0, 0.0, 1.0);
-return CoC + (min(lightCoC, CoC) - CoC) * max(dark, rim);
+float weight = max(dark, rim);
+if (lightCoC < 0.0 && CoC > 0.0)
+{
+weight = floor(weight + 0.5);
+}
+return CoC + (min(lightCoC, CoC) - CoC) * weight;
 }
 vec4 BokehSignedCoCMap(BOKEH_TEXTURE ColorSamp, BOKEH_DEPTH_TEXTURE DepthSamp, vec2 uv,
 vec2 depthUV, vec2 imageSize, BokehLens lens, int kind, vec2 planes)

@@ -188,7 +188,12 @@ fn BokehLightCoC(CoC: f32, lightCoC: f32, weights: vec2f, imageHeight: f32) -> f
 let sharper: f32 = min(abs(CoC), abs(lightCoC));
 let dark: f32 = weights.x * clamp(sharper * imageHeight - 1.0, 0.0, 1.0);
 let rim: f32 = weights.y * clamp(abs(CoC) * imageHeight - 1.0, 0.0, 1.0);
-return CoC + (min(lightCoC, CoC) - CoC) * max(dark, rim);
+var weight: f32 = max(dark, rim);
+if (lightCoC < 0.0 && CoC > 0.0)
+{
+weight = floor(weight + 0.5);
+}
+return CoC + (min(lightCoC, CoC) - CoC) * weight;
 }
 fn BokehSignedCoCMap(ColorSamp: texture_2d<f32>, DepthSamp: BokehDepthTexture, uv: vec2f,
 depthUV: vec2f, imageSize: vec2f, lens: BokehLens, kind: i32, planes: vec2f) -> vec4f
