@@ -221,8 +221,8 @@ VALUES = {
 }
 # an image of one texel has no room for the inset
 IN_A_PART = {
-    # 8 pixels high: the light's CoC fades in while the pixel's own grows from one pixel to two
-    MAP.format("vec2(0.5, 0.0625)", "vec2(1.0, 8.0)", 2): OWN_COC + (LIGHT_COC - OWN_COC) * (8.0 * OWN_COC - 1.0),
+    # 8 pixels high: the light is in front of the focus and the pixel behind it, so its CoC is taken from 1.5 pixels on
+    MAP.format("vec2(0.5, 0.0625)", "vec2(1.0, 8.0)", 2): LIGHT_COC if 8.0 * OWN_COC >= 1.5 else OWN_COC,
     "layers.origin.x": 0.0,
     "BokehViewportBounds.x": 0.03125,
     "BokehGridCoords(vec2(0.25, 0.25), BokehFullGrid(BokehMakeLayerContext(end, vec2(1.0, 1.0), 0.25))).y": 0.5,
