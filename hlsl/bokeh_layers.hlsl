@@ -792,7 +792,7 @@ BokehFilled BokehHoleFill(BOKEH_TEXTURE MidSamp, BOKEH_TEXTURE FarSamp,
         {
             break;
         }
-        // diameter in texels: an eighth, a quarter, half and all of the CoC
+        // diameter in texels: 1/8, 0.35 and 1 of the CoC
         float diameter = max(nearCoC / 8.0, 2.0) * exp2(1.5 * float(ring) - 2.0);
         float weight = 1.0 / (1.0 + 4.0 * diameter * diameter * diameter);
         float2 scale = float2(polygon.squeeze * diameter, diameter);
@@ -1133,7 +1133,8 @@ BokehGather BokehGatherRing(BokehGather before, BOKEH_TEXTURE MapSamp, int ring,
     float phase = layers.jitter * clamp(current / float(ring) - 1.0, 0.0, 1.0);
     if (ring != 2)
     {
-        // rotate it by half a step: its samples then fill the gaps of the ring beside it
+        // all rings but the second are rotated by half a step, so that those beside it fill its
+        // gaps
         phase += 0.5;
     }
     // axes of the upright polygon, in pixels: compilers can fold the arithmetic on its corners

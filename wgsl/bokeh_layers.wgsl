@@ -769,7 +769,7 @@ fn BokehHoleFill(MidSamp: texture_2d<f32>, FarSamp: texture_2d<f32>,
         {
             break;
         }
-        // diameter in texels: an eighth, a quarter, half and all of the CoC
+        // diameter in texels: 1/8, 0.35 and 1 of the CoC
         let diameter: f32 = max(nearCoC / 8.0, 2.0) * exp2(1.5 * f32(ring) - 2.0);
         let weight: f32 = 1.0 / (1.0 + 4.0 * diameter * diameter * diameter);
         let scale: vec2f = vec2f(polygon.squeeze * diameter, diameter);
@@ -1122,7 +1122,8 @@ fn BokehGatherRing(before: BokehGather, MapSamp: texture_2d<f32>, ring: i32, onE
     var phase: f32 = layers.jitter * clamp(current / f32(ring) - 1.0, 0.0, 1.0);
     if (ring != 2)
     {
-        // rotate it by half a step: its samples then fill the gaps of the ring beside it
+        // all rings but the second are rotated by half a step, so that those beside it fill its
+        // gaps
         phase += 0.5;
     }
     // axes of the upright polygon, in pixels: compilers can fold the arithmetic on its corners
