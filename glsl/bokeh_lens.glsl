@@ -151,8 +151,8 @@ float BokehFocusedCoC(float depth, BokehLens lens, BokehFocus focus)
 
 // Lens: makes the CoC map steady where temporal anti-aliasing resolves colour while depth jitters
 //   A pixel that was nearer in the last frame stays nearer as long as one of its 3 x 3 neighbours
-//   is, and forgets it slowly. A pixel that becomes nearer changes at once, because resolved colour
-//   has some of the near object in every frame.
+//   is. A pixel that becomes nearer changes at once, because resolved colour has some of the near
+//   object in every frame.
 //
 //      o  last frame         velocity points from o to x: uv of this frame minus uv of the last,
 //       '--> x  this frame   without jitter. Negate it if your engine stores the reverse (Godot).
@@ -160,8 +160,8 @@ float BokehFocusedCoC(float depth, BokehLens lens, BokehFocus focus)
 //   HistorySamp   what this function returned in the last frame (a is read); linear filter, clamp
 //   VelocitySamp  rg = velocity, uv; read texel by texel
 //   imageSize     width and height, pixels
-//   blend         weight of this frame, 0.05 (docs/taa.md); 1 starts anew: use it in the first
-//                 frame, after a cut, and when the viewport has changed
+//   blend         weight of this frame: 0, or 1 to start anew in the first frame, after a cut, and
+//                 when the viewport has changed
 //   returns       the map; a lies between the nearest CoC of the 3 x 3 and the pixel's own, and is
 //                 the pixel's own where the last frame did not show this point
 vec4 BokehStableMap(BOKEH_TEXTURE MapSamp, BOKEH_TEXTURE HistorySamp, BOKEH_TEXTURE VelocitySamp,

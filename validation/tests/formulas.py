@@ -82,10 +82,12 @@ def _coc_map(entry: str, values: Mapping[str, float], color: np.ndarray, depth: 
 
 
 def _beside_lights(color: np.ndarray, coc: np.ndarray) -> np.ndarray:
-    """Take over the CoC of the brightest of the four neighbours if it is nearer, ramping in from 4 to 8 times the
-    brightness.
+    """Take over the CoC of the brightest of the four neighbours, the light, if it is nearer.
 
-    If the sharper of the two has a CoC of one pixel or less, each keeps its own; the change ramps in up to two pixels.
+    Two kinds of pixel do. A dark one ramps in from 4 to 8 times its brightness; if the sharper of the two has a CoC of
+    one pixel or less, each keeps its own, and the change ramps in up to two pixels. The rim of a light, darker than the
+    light, ramps in from 1.3 to 1.5 times the brightness of its darkest neighbour; it keeps its own CoC up to one pixel,
+    but takes that of a light in focus. Between a pixel behind the focus and a light in front of it there is no ramp.
     """
     light = listings.safe_color(color[..., :3]).sum(axis=-1)
     around, of_them = (
@@ -94,9 +96,15 @@ def _beside_lights(color: np.ndarray, coc: np.ndarray) -> np.ndarray:
     )
     brightest = around.argmax(axis=0)[None]
     brightness, other = (np.take_along_axis(values, brightest, 0)[0] for values in (around, of_them))
-    beside = np.clip(brightness / np.maximum(4.0 * light, 1e-7) - 1.0, 0.0, 1.0)
-    blurred = np.clip(np.minimum(np.abs(coc), np.abs(other)) * len(coc) - 1.0, 0.0, 1.0)
-    return coc + (np.minimum(coc, other) - coc) * beside * blurred
+    own = np.maximum(light, 1e-7)
+    ratio = np.maximum(brightness / own, 1.0)
+    dark = np.clip(ratio / 4.0 - 1.0, 0.0, 1.0)
+    dark *= np.clip(np.minimum(np.abs(coc), np.abs(other)) * len(coc) - 1.0, 0.0, 1.0)
+    rim = np.clip(5.0 * own / np.maximum(around.min(axis=0), 1e-7) - 6.5, 0.0, 1.0)
+    rim *= np.clip(10.0 * ratio - 10.0, 0.0, 1.0) * np.clip(np.abs(coc) * len(coc) - 1.0, 0.0, 1.0)
+    weight = np.maximum(dark, rim)
+    weight = np.where((other < 0.0) & (coc > 0.0), np.round(weight), weight)
+    return coc + (np.minimum(coc, other) - coc) * weight
 
 
 def _of_image(depth: np.ndarray, values: Mapping[str, float]) -> np.ndarray:

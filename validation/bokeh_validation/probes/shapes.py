@@ -26,13 +26,17 @@ def outline(settings: methods.Settings) -> np.ndarray:
 
 
 def brute_force(driver: Driver, case: Case, cells: int = BRUTE_CELLS) -> np.ndarray:
-    """Gather the polygon of a case with the naive pass, with `cells` samples across; returns (H, W, 4)."""
+    """Gather the polygon of a case with the naive pass, with `cells` samples across; returns (H, W, 4).
+
+    The gather reads the case's own CoC map without its signs, since the maps of methods differ beside lights.
+    """
     corners = outline(case.settings)
     # points of a square lattice, mirrored as a gather needs them
     table = -aperture_shapes.lattice_kernel(cells, lambda x, y: geometry.inside(corners, x, y))
     inputs = {"ColorSamp": "coc", "DepthSamp": "depth", "KernelSamp": "kernel"}
     naive = methods.plan(replace(case.settings, method="naive", aperture="hexagon", spacing=0.0, samples=3), case.size)
-    coc = naive.passes[0]
     gather = Pass("BokehNaiveGather", inputs, "result", naive.passes[1].parameters, len(table))
-    textures = {**case.textures(), "kernel": methods.kernel_texture(table)}
-    return driver.run([coc, gather], textures, case.size)["result"]
+    coc = driver.run(case.plan.passes[:1], case.textures(), case.size, keep=("coc",))["coc"]
+    coc[..., 3] = np.abs(coc[..., 3])
+    textures = {**case.textures(), "coc": coc, "kernel": methods.kernel_texture(table)}
+    return driver.run([gather], textures, case.size)["result"]

@@ -72,7 +72,7 @@ BLOCK = {
     "BokehDepthY": Parameter(0.0, "share", "first row (F)"),
     "BokehDepthWidth": Parameter(1.0, "share", "(F)"),
     "BokehDepthHeight": Parameter(1.0, "share", "(F)"),
-    "BokehStableBlend": Parameter(0.05, "", "StableMap: share of this frame; 1 starts anew"),
+    "BokehStableBlend": Parameter(0.0, "", "StableMap: weight of this frame; 1 starts anew"),
 }
 PARAMETERS = {name: parameter.default for name, parameter in BLOCK.items()}
 

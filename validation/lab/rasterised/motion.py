@@ -31,8 +31,6 @@ DEFAULT = (
 )  # fmt: skip
 INPUTS = ("aliased", "antialiased", "temporal, before", "temporal, after", "before, steady")
 ALIASED, ANTIALIASED, *_, STEADY = INPUTS
-# Weight of each new frame, BokehStableBlend, once there is a history
-NEW_WEIGHT = 0.05
 # The animation: left, top, width, height of a detail, and its zoom; milliseconds per frame; quality of the WebP
 DETAIL, ZOOM, MILLISECONDS, QUALITY = (240, 20, 170, 130), 2, 80, 80
 SHOWN = {"pinhole": "input", "paper": "paper", "layered medium": "layered, preset MEDIUM"}
@@ -117,7 +115,7 @@ def _steady(driver: Driver, name: str, label: str, recording: Recording) -> Iter
     colors, history = [pinhole.color for pinhole in recording.jittered[:LEAD]] + recording.stable, None
     for frame, (pinhole, color) in enumerate(zip(recording.jittered, colors, strict=True), -LEAD):
         settings = labels.settings(label, moment(name, frame).camera, frame=frame % 64)
-        passes = steadied(plan(settings, size), size, 1.0 if history is None else NEW_WEIGHT).passes
+        passes = steadied(plan(settings, size), size, 1.0 if history is None else 0.0).passes
         rgba = np.dstack([color[..., :3], np.ones_like(pinhole.depth)]).astype(np.float16)
         velocity = np.dstack([pinhole.moved / size, np.zeros_like(pinhole.moved)]).astype(np.float16)
         textures = {"color": rgba, "depth": pinhole.depth, "velocity": velocity}
