@@ -919,7 +919,7 @@ return max(max(color.r, color.g), color.b);
 float BokehLayerSlope(float largest, float startCoC, float fullCoC)
 {
 float gate = clamp((largest - startCoC) / (fullCoC - startCoC), 0.001, 1.0);
-return 5.0 / max(largest / gate, 2.0);
+return 5.0 / clamp(largest / gate, 2.0, 60.0);
 }
 float BokehNearSlope(float largest)
 {
@@ -1705,19 +1705,17 @@ if (gather.inner >= end)
 break;
 }
 float outer = min(BokehRingBorder(ring, radius, spacing, narrowing), end);
-int onEdge = BokehSamplesPerEdge(BOKEH_LAYER_RINGS, polygon);
+int density = BOKEH_LAYER_RINGS;
 if (first < BOKEH_LAYER_RINGS)
 {
-onEdge = BokehSamplesPerEdge(min(ring, BOKEH_LAYER_RINGS), polygon);
+density = min(ring, BOKEH_LAYER_RINGS);
 }
-if (first < 2 && ring > BOKEH_LAYER_RINGS)
+if (first < 2 && float(ring) > denseRings)
 {
-if (wideRings > denseRings)
-{
-onEdge = BokehSamplesPerEdge(1, polygon);
+density = 1;
 }
-}
-gather = BokehGatherRing(gather, MapSamp, ring, onEdge, outer, polygon, layers);
+gather = BokehGatherRing(gather, MapSamp, ring, BokehSamplesPerEdge(density, polygon),
+outer, polygon, layers);
 }
 vec4 nearLayer = vec4(0.0, 0.0, 0.0, 0.0);
 vec4 farLayer = vec4(0.0, 0.0, 0.0, 0.0);
@@ -1726,6 +1724,16 @@ if (max(tile.r - 6.0, tile.g - 10.0) > 0.0)
 BokehGrid halves = BokehReducedGrid(layers, 2.0);
 nearLayer = BokehFetchLayer(NearSamp, 0.5 * center, halves);
 farLayer = BokehFetchLayer(FarSamp, 0.5 * center, halves);
+}
+BokehGrid quarters = BokehReducedGrid(layers, 4.0);
+float behindNear = max(farWeight * nearLayer.a, nearWeight);
+vec3 farColor = farLayer.rgb / max(farLayer.a, 0.000001);
+if (behindNear > 0.0)
+{
+vec4 farFill = BokehFetchGrid(FarFillSamp, 0.25 * center, quarters);
+float missing = max(1.0 - 2.0 * farLayer.a, 0.0) * min(2.0 * behindNear, 1.0);
+farColor += (farFill.rgb - farColor) * missing;
+farLayer = vec4(farColor * farLayer.a, farLayer.a);
 }
 vec4 sum = gather.sum + farLayer * (gather.farFound * (1.0 - max(farWeight, nearWeight)) /
 max(farLayer.a, 0.001));
@@ -1739,16 +1747,11 @@ result = (gather.front.rgb + (plain.rgb - gather.front.rgb) * open) / max(gather
 }
 if (nearWeight > 0.0)
 {
-BokehGrid quarters = BokehReducedGrid(layers, 4.0);
 vec4 midFill = BokehFetchGrid(MidFillSamp, 0.25 * center, quarters);
-vec4 farFill = BokehFetchGrid(FarFillSamp, 0.25 * center, quarters);
 float inNear = nearLayer.a * min(2.0 - 2.0 * nearWeight, 1.0);
 float empty = max(1.0 - sum.a - inNear, 0.0);
 float cover = empty * clamp((midFill.a - 0.3) / 0.4, 0.0, 1.0);
-float missing = max(1.0 - 2.0 * farLayer.a, 0.0);
-vec3 background = farLayer.rgb * ((1.0 - missing) / max(farLayer.a, 0.000001)) +
-farFill.rgb * missing;
-vec3 stack = (sum.rgb + midFill.rgb * cover + background * (empty - cover)) /
+vec3 stack = (sum.rgb + midFill.rgb * cover + farColor * (empty - cover)) /
 max(sum.a + empty, 0.000001);
 result += (stack - result) * nearWeight;
 }

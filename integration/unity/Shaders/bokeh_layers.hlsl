@@ -212,7 +212,9 @@ float BokehBrightest(float3 color)
 float BokehLayerSlope(float largest, float startCoC, float fullCoC)
 {
     float gate = clamp((largest - startCoC) / (fullCoC - startCoC), 0.001, 1.0);
-    return 5.0 / max(largest / gate, 2.0);
+    // Over 60 it would leave pixels of more than 36 to the gather, whose few samples show on wide
+    // discs.
+    return 5.0 / clamp(largest / gate, 2.0, 60.0);
 }
 
 // Layers: returns the slope of the near layer, which appears from 6 to 12 pixels
@@ -1298,20 +1300,17 @@ float4 BokehComposite(BOKEH_TEXTURE MapSamp, BOKEH_TEXTURE GatherTilesSamp, BOKE
                 break;
             }
             float outer = min(BokehRingBorder(ring, radius, spacing, narrowing), end);
-            int onEdge = BokehSamplesPerEdge(BOKEH_LAYER_RINGS, polygon);
+            int density = BOKEH_LAYER_RINGS;
             if (first < BOKEH_LAYER_RINGS)
             {
-                onEdge = BokehSamplesPerEdge(min(ring, BOKEH_LAYER_RINGS), polygon);
+                density = min(ring, BOKEH_LAYER_RINGS);
             }
-            if (first < 2 && ring > BOKEH_LAYER_RINGS)
+            if (first < 2 && float(ring) > denseRings)
             {
-                if (wideRings > denseRings)
-                {
-                    onEdge = BokehSamplesPerEdge(1, polygon);
-                }
+                density = 1;
             }
-            gather = BokehGatherRing(gather, MapSamp, ring, onEdge, outer, polygon,
-                layers BOKEH_LINEAR);
+            gather = BokehGatherRing(gather, MapSamp, ring, BokehSamplesPerEdge(density, polygon),
+                outer, polygon, layers BOKEH_LINEAR);
         }
 
         float4 nearLayer = float4(0.0, 0.0, 0.0, 0.0);
@@ -1321,6 +1320,18 @@ float4 BokehComposite(BOKEH_TEXTURE MapSamp, BOKEH_TEXTURE GatherTilesSamp, BOKE
             BokehGrid halves = BokehReducedGrid(layers, 2.0);
             nearLayer = BokehFetchLayer(NearSamp, 0.5 * center, halves BOKEH_LINEAR);
             farLayer = BokehFetchLayer(FarSamp, 0.5 * center, halves BOKEH_LINEAR);
+        }
+        BokehGrid quarters = BokehReducedGrid(layers, 4.0);
+        float behindNear = max(farWeight * nearLayer.a, nearWeight);
+        float3 farColor = farLayer.rgb / max(farLayer.a, 0.000001);
+        if (behindNear > 0.0)
+        {
+            // Near pixels hide most of what a far polygon covers, so few far pixels stand for all
+            // of it. Up to a half, the fill stands for the rest.
+            float4 farFill = BokehFetchGrid(FarFillSamp, 0.25 * center, quarters BOKEH_LINEAR);
+            float missing = max(1.0 - 2.0 * farLayer.a, 0.0) * min(2.0 * behindNear, 1.0);
+            farColor += (farFill.rgb - farColor) * missing;
+            farLayer = float4(farColor * farLayer.a, farLayer.a);
         }
         // at pixels of a layer, the layer itself is added below
         float4 sum = gather.sum + farLayer * (gather.farFound * (1.0 - max(farWeight, nearWeight)) /
@@ -1337,16 +1348,11 @@ float4 BokehComposite(BOKEH_TEXTURE MapSamp, BOKEH_TEXTURE GatherTilesSamp, BOKE
         if (nearWeight > 0.0)
         {
             // in depth order: the gather, the fill of its holes, the far layer, the fill of that
-            BokehGrid quarters = BokehReducedGrid(layers, 4.0);
             float4 midFill = BokehFetchGrid(MidFillSamp, 0.25 * center, quarters BOKEH_LINEAR);
-            float4 farFill = BokehFetchGrid(FarFillSamp, 0.25 * center, quarters BOKEH_LINEAR);
             float inNear = nearLayer.a * min(2.0 - 2.0 * nearWeight, 1.0);
             float empty = max(1.0 - sum.a - inNear, 0.0);
             float cover = empty * clamp((midFill.a - 0.3) / 0.4, 0.0, 1.0);
-            float missing = max(1.0 - 2.0 * farLayer.a, 0.0);
-            float3 background = farLayer.rgb * ((1.0 - missing) / max(farLayer.a, 0.000001)) +
-                farFill.rgb * missing;
-            float3 stack = (sum.rgb + midFill.rgb * cover + background * (empty - cover)) /
+            float3 stack = (sum.rgb + midFill.rgb * cover + farColor * (empty - cover)) /
                 max(sum.a + empty, 0.000001);
             result += (stack - result) * nearWeight;
         }
