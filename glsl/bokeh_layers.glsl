@@ -1202,21 +1202,19 @@ vec4 BokehComposite(BOKEH_TEXTURE MapSamp, BOKEH_TEXTURE GatherTilesSamp, BOKEH_
         float narrowing = clamp(radius / max(restRadius, 1.0) - 1.0, 0.0, 1.0);
         // no layer here: spend its fetches on one more ring; without CUBIC, do so also where layers
         // are small
-        float rings = float(BOKEH_LAYER_RINGS);
+        float denseRings = float(BOKEH_LAYER_RINGS);
         if (max(tile.g, tile.r + 4.0) <= 14.0 - 4.0 * float(BOKEH_LAYER_CUBIC))
         {
-            rings += 1.0;
+            denseRings += 1.0;
         }
-        // a gather that reaches far has one more ring, of few samples: with wider gaps between
-        // the rings, a thin bright line would show as a row of copies
-        float wideRings = min(radius / 3.0, float(BOKEH_LAYER_RINGS) + 1.0);
-        if (nearWeight > 0.0)
+        float rings = denseRings;
+        if (max(nearWeight, farWeight * float(BOKEH_LAYER_RINGS - 1)) <= 0.0)
         {
-            // the near layer covers this pixel, at least in part, and fills show behind it
-            wideRings = 0.0;
+            // A gather that reaches far has one more ring, of few samples: with wider gaps between
+            // the rings, a thin bright line would show as a row of copies. In a layer the gather
+            // shows less; there, only a preset with a single ring has one more.
+            rings = max(rings, min(radius / 3.0, float(BOKEH_LAYER_RINGS) + 1.0));
         }
-        float denseRings = rings;
-        rings = max(rings, wideRings);
         // rings closer than a pixel find nothing new; .499: the last ends at the radius
         float spacing = max(min(radius / 1.499, 1.0), radius / (rings + 0.499));
         gather.inner = BokehRingBorder(0, radius, spacing, narrowing);
@@ -1240,7 +1238,7 @@ vec4 BokehComposite(BOKEH_TEXTURE MapSamp, BOKEH_TEXTURE GatherTilesSamp, BOKEH_
             0.0, 1.0);
         // where the ring of few samples begins that a wide gather ends with
         float lastInner = radius;
-        if (wideRings > denseRings)
+        if (rings > denseRings)
         {
             lastInner = min(BokehRingBorder(BOKEH_LAYER_RINGS, radius, spacing, narrowing), radius);
         }
@@ -1300,14 +1298,16 @@ vec4 BokehComposite(BOKEH_TEXTURE MapSamp, BOKEH_TEXTURE GatherTilesSamp, BOKEH_
             farLayer = BokehFetchLayer(FarSamp, 0.5 * center, halves);
         }
         BokehGrid quarters = BokehReducedGrid(layers, 4.0);
-        float behindNear = max(farWeight * nearLayer.a, nearWeight);
+        // 1 for near pixels; for far ones, more the more of the near layer lies over them
+        float behindNear = clamp(2.0 * farWeight * nearLayer.a - 0.25 + 1000.0 * nearWeight,
+            0.0, 1.0);
         vec3 farColor = farLayer.rgb / max(farLayer.a, 0.000001);
         if (behindNear > 0.0)
         {
             // Near pixels hide most of what a far polygon covers, so few far pixels stand for all
             // of it. Up to a half, the fill stands for the rest.
             vec4 farFill = BokehFetchGrid(FarFillSamp, 0.25 * center, quarters);
-            float missing = max(1.0 - 2.0 * farLayer.a, 0.0) * min(2.0 * behindNear, 1.0);
+            float missing = clamp(1.0 - 2.0 * farLayer.a, 0.0, 1.0) * behindNear;
             farColor += (farFill.rgb - farColor) * missing;
             farLayer = vec4(farColor * farLayer.a, farLayer.a);
         }
@@ -1319,7 +1319,7 @@ vec4 BokehComposite(BOKEH_TEXTURE MapSamp, BOKEH_TEXTURE GatherTilesSamp, BOKEH_
         {
             // the weight of what is in front is its coverage; the rest shows through what is left
             float rest = plain.a - gather.front.a;
-            float open = max(1.0 - gather.front.a, 0.0) / max(rest, 0.1);
+            float open = clamp(1.0 - gather.front.a, 0.0, 1.0) / max(rest, 0.1);
             result = (gather.front.rgb + (plain.rgb - gather.front.rgb) * open) / max(gather.front.a
                 + rest * open, 0.001);
         }
@@ -1328,7 +1328,7 @@ vec4 BokehComposite(BOKEH_TEXTURE MapSamp, BOKEH_TEXTURE GatherTilesSamp, BOKEH_
             // in depth order: the gather, the fill of its holes, the far layer, the fill of that
             vec4 midFill = BokehFetchGrid(MidFillSamp, 0.25 * center, quarters);
             float inNear = nearLayer.a * min(2.0 - 2.0 * nearWeight, 1.0);
-            float empty = max(1.0 - sum.a - inNear, 0.0);
+            float empty = clamp(1.0 - sum.a - inNear, 0.0, 1.0);
             float cover = empty * clamp((midFill.a - 0.3) / 0.4, 0.0, 1.0);
             vec3 stack = (sum.rgb + midFill.rgb * cover + farColor * (empty - cover)) /
                 max(sum.a + empty, 0.000001);

@@ -1214,21 +1214,19 @@ fn BokehComposite(MapSamp: texture_2d<f32>, GatherTilesSamp: texture_2d<f32>,
         let narrowing: f32 = clamp(radius / max(restRadius, 1.0) - 1.0, 0.0, 1.0);
         // no layer here: spend its fetches on one more ring; without CUBIC, do so also where layers
         // are small
-        var rings: f32 = f32(BOKEH_LAYER_RINGS);
+        var denseRings: f32 = f32(BOKEH_LAYER_RINGS);
         if (max(tile.g, tile.r + 4.0) <= 14.0 - 4.0 * f32(BOKEH_LAYER_CUBIC))
         {
-            rings += 1.0;
+            denseRings += 1.0;
         }
-        // a gather that reaches far has one more ring, of few samples: with wider gaps between
-        // the rings, a thin bright line would show as a row of copies
-        var wideRings: f32 = min(radius / 3.0, f32(BOKEH_LAYER_RINGS) + 1.0);
-        if (nearWeight > 0.0)
+        var rings: f32 = denseRings;
+        if (max(nearWeight, farWeight * f32(BOKEH_LAYER_RINGS - 1)) <= 0.0)
         {
-            // the near layer covers this pixel, at least in part, and fills show behind it
-            wideRings = 0.0;
+            // A gather that reaches far has one more ring, of few samples: with wider gaps between
+            // the rings, a thin bright line would show as a row of copies. In a layer the gather
+            // shows less; there, only a preset with a single ring has one more.
+            rings = max(rings, min(radius / 3.0, f32(BOKEH_LAYER_RINGS) + 1.0));
         }
-        let denseRings: f32 = rings;
-        rings = max(rings, wideRings);
         // rings closer than a pixel find nothing new; .499: the last ends at the radius
         let spacing: f32 = max(min(radius / 1.499, 1.0), radius / (rings + 0.499));
         gather.inner = BokehRingBorder(0, radius, spacing, narrowing);
@@ -1252,7 +1250,7 @@ fn BokehComposite(MapSamp: texture_2d<f32>, GatherTilesSamp: texture_2d<f32>,
             0.0, 1.0);
         // where the ring of few samples begins that a wide gather ends with
         var lastInner: f32 = radius;
-        if (wideRings > denseRings)
+        if (rings > denseRings)
         {
             lastInner = min(BokehRingBorder(BOKEH_LAYER_RINGS, radius, spacing, narrowing), radius);
         }
@@ -1312,7 +1310,9 @@ fn BokehComposite(MapSamp: texture_2d<f32>, GatherTilesSamp: texture_2d<f32>,
             farLayer = BokehFetchLayer(FarSamp, 0.5 * center, halves, BokehLinearClamp);
         }
         let quarters: BokehGrid = BokehReducedGrid(layers, 4.0);
-        let behindNear: f32 = max(farWeight * nearLayer.a, nearWeight);
+        // 1 for near pixels; for far ones, more the more of the near layer lies over them
+        let behindNear: f32 = clamp(2.0 * farWeight * nearLayer.a - 0.25 + 1000.0 * nearWeight,
+            0.0, 1.0);
         var farColor: vec3f = farLayer.rgb / max(farLayer.a, 0.000001);
         if (behindNear > 0.0)
         {
@@ -1320,7 +1320,7 @@ fn BokehComposite(MapSamp: texture_2d<f32>, GatherTilesSamp: texture_2d<f32>,
             // of it. Up to a half, the fill stands for the rest.
             let farFill: vec4f = BokehFetchGrid(FarFillSamp, 0.25 * center, quarters,
                 BokehLinearClamp);
-            let missing: f32 = max(1.0 - 2.0 * farLayer.a, 0.0) * min(2.0 * behindNear, 1.0);
+            let missing: f32 = clamp(1.0 - 2.0 * farLayer.a, 0.0, 1.0) * behindNear;
             farColor += (farFill.rgb - farColor) * missing;
             farLayer = vec4f(farColor * farLayer.a, farLayer.a);
         }
@@ -1332,7 +1332,7 @@ fn BokehComposite(MapSamp: texture_2d<f32>, GatherTilesSamp: texture_2d<f32>,
         {
             // the weight of what is in front is its coverage; the rest shows through what is left
             let rest: f32 = plain.a - gather.front.a;
-            let open: f32 = max(1.0 - gather.front.a, 0.0) / max(rest, 0.1);
+            let open: f32 = clamp(1.0 - gather.front.a, 0.0, 1.0) / max(rest, 0.1);
             result = (gather.front.rgb + (plain.rgb - gather.front.rgb) * open) / max(gather.front.a
                 + rest * open, 0.001);
         }
@@ -1342,7 +1342,7 @@ fn BokehComposite(MapSamp: texture_2d<f32>, GatherTilesSamp: texture_2d<f32>,
             let midFill: vec4f = BokehFetchGrid(MidFillSamp, 0.25 * center, quarters,
                 BokehLinearClamp);
             let inNear: f32 = nearLayer.a * min(2.0 - 2.0 * nearWeight, 1.0);
-            let empty: f32 = max(1.0 - sum.a - inNear, 0.0);
+            let empty: f32 = clamp(1.0 - sum.a - inNear, 0.0, 1.0);
             let cover: f32 = empty * clamp((midFill.a - 0.3) / 0.4, 0.0, 1.0);
             let stack: vec3f = (sum.rgb + midFill.rgb * cover + farColor * (empty - cover)) /
                 max(sum.a + empty, 0.000001);

@@ -1608,18 +1608,16 @@ let restRadius: f32 = clamp(16.0 - 16.0 * farWeight, 0.0, 1.0) * (1.0 - nearWeig
 sqrt(gather.inverse);
 let radius: f32 = max(max(restRadius, 0.01), 0.5 * max(tile.b, tile.a * farWeight));
 let narrowing: f32 = clamp(radius / max(restRadius, 1.0) - 1.0, 0.0, 1.0);
-var rings: f32 = f32(BOKEH_LAYER_RINGS);
+var denseRings: f32 = f32(BOKEH_LAYER_RINGS);
 if (max(tile.g, tile.r + 4.0) <= 14.0 - 4.0 * f32(BOKEH_LAYER_CUBIC))
 {
-rings += 1.0;
+denseRings += 1.0;
 }
-var wideRings: f32 = min(radius / 3.0, f32(BOKEH_LAYER_RINGS) + 1.0);
-if (nearWeight > 0.0)
+var rings: f32 = denseRings;
+if (max(nearWeight, farWeight * f32(BOKEH_LAYER_RINGS - 1)) <= 0.0)
 {
-wideRings = 0.0;
+rings = max(rings, min(radius / 3.0, f32(BOKEH_LAYER_RINGS) + 1.0));
 }
-let denseRings: f32 = rings;
-rings = max(rings, wideRings);
 let spacing: f32 = max(min(radius / 1.499, 1.0), radius / (rings + 0.499));
 gather.inner = BokehRingBorder(0, radius, spacing, narrowing);
 if (radius < 0.5)
@@ -1635,7 +1633,7 @@ let edges: f32 = max(tile.r, tile.g - 16.0);
 gather.snapping = 3.75 * clamp(edges / 5.0, 0.0, 1.0) + 100.0 * clamp((edges - 10.0) / 16.0,
 0.0, 1.0);
 var lastInner: f32 = radius;
-if (wideRings > denseRings)
+if (rings > denseRings)
 {
 lastInner = min(BokehRingBorder(BOKEH_LAYER_RINGS, radius, spacing, narrowing), radius);
 }
@@ -1692,13 +1690,14 @@ nearLayer = BokehFetchLayer(NearSamp, 0.5 * center, halves, BokehLinearClamp);
 farLayer = BokehFetchLayer(FarSamp, 0.5 * center, halves, BokehLinearClamp);
 }
 let quarters: BokehGrid = BokehReducedGrid(layers, 4.0);
-let behindNear: f32 = max(farWeight * nearLayer.a, nearWeight);
+let behindNear: f32 = clamp(2.0 * farWeight * nearLayer.a - 0.25 + 1000.0 * nearWeight,
+0.0, 1.0);
 var farColor: vec3f = farLayer.rgb / max(farLayer.a, 0.000001);
 if (behindNear > 0.0)
 {
 let farFill: vec4f = BokehFetchGrid(FarFillSamp, 0.25 * center, quarters,
 BokehLinearClamp);
-let missing: f32 = max(1.0 - 2.0 * farLayer.a, 0.0) * min(2.0 * behindNear, 1.0);
+let missing: f32 = clamp(1.0 - 2.0 * farLayer.a, 0.0, 1.0) * behindNear;
 farColor += (farFill.rgb - farColor) * missing;
 farLayer = vec4f(farColor * farLayer.a, farLayer.a);
 }
@@ -1708,7 +1707,7 @@ let plain: vec4f = sum + farLayer * farWeight;
 if (plain.a >= 0.001)
 {
 let rest: f32 = plain.a - gather.front.a;
-let open: f32 = max(1.0 - gather.front.a, 0.0) / max(rest, 0.1);
+let open: f32 = clamp(1.0 - gather.front.a, 0.0, 1.0) / max(rest, 0.1);
 result = (gather.front.rgb + (plain.rgb - gather.front.rgb) * open) / max(gather.front.a
 + rest * open, 0.001);
 }
@@ -1717,7 +1716,7 @@ if (nearWeight > 0.0)
 let midFill: vec4f = BokehFetchGrid(MidFillSamp, 0.25 * center, quarters,
 BokehLinearClamp);
 let inNear: f32 = nearLayer.a * min(2.0 - 2.0 * nearWeight, 1.0);
-let empty: f32 = max(1.0 - sum.a - inNear, 0.0);
+let empty: f32 = clamp(1.0 - sum.a - inNear, 0.0, 1.0);
 let cover: f32 = empty * clamp((midFill.a - 0.3) / 0.4, 0.0, 1.0);
 let stack: vec3f = (sum.rgb + midFill.rgb * cover + farColor * (empty - cover)) /
 max(sum.a + empty, 0.000001);

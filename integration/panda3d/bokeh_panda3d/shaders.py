@@ -1642,18 +1642,16 @@ float restRadius = clamp(16.0 - 16.0 * farWeight, 0.0, 1.0) * (1.0 - nearWeight)
 sqrt(gather.inverse);
 float radius = max(max(restRadius, 0.01), 0.5 * max(tile.b, tile.a * farWeight));
 float narrowing = clamp(radius / max(restRadius, 1.0) - 1.0, 0.0, 1.0);
-float rings = float(BOKEH_LAYER_RINGS);
+float denseRings = float(BOKEH_LAYER_RINGS);
 if (max(tile.g, tile.r + 4.0) <= 14.0 - 4.0 * float(BOKEH_LAYER_CUBIC))
 {
-rings += 1.0;
+denseRings += 1.0;
 }
-float wideRings = min(radius / 3.0, float(BOKEH_LAYER_RINGS) + 1.0);
-if (nearWeight > 0.0)
+float rings = denseRings;
+if (max(nearWeight, farWeight * float(BOKEH_LAYER_RINGS - 1)) <= 0.0)
 {
-wideRings = 0.0;
+rings = max(rings, min(radius / 3.0, float(BOKEH_LAYER_RINGS) + 1.0));
 }
-float denseRings = rings;
-rings = max(rings, wideRings);
 float spacing = max(min(radius / 1.499, 1.0), radius / (rings + 0.499));
 gather.inner = BokehRingBorder(0, radius, spacing, narrowing);
 if (radius < 0.5)
@@ -1669,7 +1667,7 @@ float edges = max(tile.r, tile.g - 16.0);
 gather.snapping = 3.75 * clamp(edges / 5.0, 0.0, 1.0) + 100.0 * clamp((edges - 10.0) / 16.0,
 0.0, 1.0);
 float lastInner = radius;
-if (wideRings > denseRings)
+if (rings > denseRings)
 {
 lastInner = min(BokehRingBorder(BOKEH_LAYER_RINGS, radius, spacing, narrowing), radius);
 }
@@ -1726,12 +1724,13 @@ nearLayer = BokehFetchLayer(NearSamp, 0.5 * center, halves);
 farLayer = BokehFetchLayer(FarSamp, 0.5 * center, halves);
 }
 BokehGrid quarters = BokehReducedGrid(layers, 4.0);
-float behindNear = max(farWeight * nearLayer.a, nearWeight);
+float behindNear = clamp(2.0 * farWeight * nearLayer.a - 0.25 + 1000.0 * nearWeight,
+0.0, 1.0);
 vec3 farColor = farLayer.rgb / max(farLayer.a, 0.000001);
 if (behindNear > 0.0)
 {
 vec4 farFill = BokehFetchGrid(FarFillSamp, 0.25 * center, quarters);
-float missing = max(1.0 - 2.0 * farLayer.a, 0.0) * min(2.0 * behindNear, 1.0);
+float missing = clamp(1.0 - 2.0 * farLayer.a, 0.0, 1.0) * behindNear;
 farColor += (farFill.rgb - farColor) * missing;
 farLayer = vec4(farColor * farLayer.a, farLayer.a);
 }
@@ -1741,7 +1740,7 @@ vec4 plain = sum + farLayer * farWeight;
 if (plain.a >= 0.001)
 {
 float rest = plain.a - gather.front.a;
-float open = max(1.0 - gather.front.a, 0.0) / max(rest, 0.1);
+float open = clamp(1.0 - gather.front.a, 0.0, 1.0) / max(rest, 0.1);
 result = (gather.front.rgb + (plain.rgb - gather.front.rgb) * open) / max(gather.front.a
 + rest * open, 0.001);
 }
@@ -1749,7 +1748,7 @@ if (nearWeight > 0.0)
 {
 vec4 midFill = BokehFetchGrid(MidFillSamp, 0.25 * center, quarters);
 float inNear = nearLayer.a * min(2.0 - 2.0 * nearWeight, 1.0);
-float empty = max(1.0 - sum.a - inNear, 0.0);
+float empty = clamp(1.0 - sum.a - inNear, 0.0, 1.0);
 float cover = empty * clamp((midFill.a - 0.3) / 0.4, 0.0, 1.0);
 vec3 stack = (sum.rgb + midFill.rgb * cover + farColor * (empty - cover)) /
 max(sum.a + empty, 0.000001);
