@@ -46,11 +46,11 @@ def edited(texts: Texts, entry: str, constants: Mapping[str, int] | None = None)
     Returns (name, code) pairs, as they are now; 'declared' is the name for all lines that declare what the functions
     use.
     """
-    before, after = ({}, {})
-    for text, code in zip(texts, (before, after), strict=True):
+    old_code, new_code = ({}, {})
+    for text, code in zip(texts, (old_code, new_code), strict=True):
         code |= calls.program(text, f"{entry}_PS", frozenset((constants or {}).items())) | calls.program(text, VERTEX)
         code["declared"] = calls.declared(text, code)
-    return frozenset(after.items() - before.items())
+    return frozenset(new_code.items() - old_code.items())
 
 
 def _refused(language: str, entries: set[str]) -> Iterator[str]:
@@ -70,54 +70,57 @@ def _refused(language: str, entries: set[str]) -> Iterator[str]:
             yield f"{language} {name}: {result.messages}"
 
 
-def _wrong(used: Mapping[str, Driver], texts: Mapping[str, Texts], glsl: str) -> Iterator[str]:
+def _wrong(by_language: Mapping[str, Driver], texts: Mapping[str, Texts], glsl: str) -> Iterator[str]:
     """Draw the edited passes and yield a line for each that is wrong.
 
-    used   language -> driver that draws its programs
-    texts  language -> its text in the last commit, and now
-    glsl   the GLSL of the last commit, which the reference runs
+    by_language  language -> driver that draws its programs
+    texts        language -> its text in the last commit, and now
+    glsl         the GLSL of the last commit, which the reference runs
 
     Each edited program is drawn once, in the first frame that uses it. Its result is compared with the GLSL of the
-    last commit, so that a mistake made in all three languages alike is noticed. A result that differs is also compared
+    last commit, so that the same mistake in all three languages is noticed. A result that differs is also compared
     with the current GLSL: an edit that changes pixels on purpose must change them in the same way in every language.
     """
-    drawn = set()
+    drawn_programs = set()
     for label, frame in coverage_frames.all_frames().items():
-        for language, driver in used.items() if not frame.main else ():
-            codes = [edited(texts[language], item.entry, item.constants) for item in frame.passes]
-            keys = [(language, item.entry, code) for item, code in zip(frame.passes, codes, strict=True)]
-            new = {key for key in keys if key[2]} - drawn
-            drawn |= new
-            if new:
-                yield from _differing(label, frame, driver, glsl, [key in new for key in keys])
+        for language, driver in by_language.items() if not frame.main else ():
+            codes = [edited(texts[language], render_pass.entry, render_pass.constants) for render_pass in frame.passes]
+            keys = [(language, render_pass.entry, code) for render_pass, code in zip(frame.passes, codes, strict=True)]
+            undrawn = {key for key in keys if key[2]} - drawn_programs
+            drawn_programs |= undrawn
+            if undrawn:
+                yield from _differing(label, frame, driver, glsl, [key in undrawn for key in keys])
 
 
-def _differing(label: str, frame: Frame, driver: Driver, glsl: str, asked: Sequence[bool]) -> Iterator[str]:
-    """Yield what is wrong with the passes of a frame that are marked in `asked`, one bool per pass."""
+def _differing(label: str, frame: Frame, driver: Driver, glsl: str, is_edited: Sequence[bool]) -> Iterator[str]:
+    """Yield what is wrong with the edited passes of a frame; `is_edited` has one bool per pass."""
     device = driver.precision, driver.rounding
     try:
-        before = judges.judges(label, frame, *device, glsl)
+        old_judges = judges.judges(label, frame, *device, glsl)
     except KeyError:
         # the last commit lacks a function or parameter that this frame needs
-        before = [None] * len(frame.passes)
-    objections = [judge.objection(driver) if judge and one else "" for judge, one in zip(before, asked, strict=True)]
+        old_judges = [None] * len(frame.passes)
+    objections = [
+        judge.objection(driver) if judge and edited_here else ""
+        for judge, edited_here in zip(old_judges, is_edited, strict=True)
+    ]
     yield from (f"{driver.name}, by the last commit: {objection}" for objection in objections if objection)
-    now = judges.judges(label, frame, *device) if any(objections) or None in before else []
-    for judge, one, objection in zip(now, asked, objections, strict=False):
-        if one and (objection or None in before) and (said := judge.objection(driver)):
-            yield f"{driver.name}: {said}"
+    new_judges = judges.judges(label, frame, *device) if any(objections) or None in old_judges else []
+    for judge, edited_here, objection in zip(new_judges, is_edited, objections, strict=False):
+        if edited_here and (objection or None in old_judges) and (new_objection := judge.objection(driver)):
+            yield f"{driver.name}: {new_objection}"
 
 
 def check() -> None:
     """Check what an edit of a shader can have broken: parity, rules, one compiler and one driver per language."""
-    texts, entries, changed, problems, skipped, used = {}, {}, set(), [], [], {}
+    texts, entries, changed, problems, skipped, usable_drivers = {}, {}, set(), [], [], {}
     keys = {language: [files[language] for files in parity.FILES.values()] for language in paths.LANGUAGES}
     committed = {language: "".join(map(_committed, files)) for language, files in keys.items()}
-    for language, before in committed.items():
-        after = shaders.text(language)
-        if before != after:
-            texts[language] = before, after
-            changed |= {name for name, _ in calls.functions(after).items() ^ calls.functions(before).items()}
+    for language, old_text in committed.items():
+        new_text = shaders.text(language)
+        if old_text != new_text:
+            texts[language] = old_text, new_text
+            changed |= {name for name, _ in calls.functions(new_text).items() ^ calls.functions(old_text).items()}
             entries[language] = {name for name in ENTRIES if edited(texts[language], name)}
     if not entries:
         terminal.tell("no shader differs from the last commit: nothing to check")
@@ -129,11 +132,11 @@ def check() -> None:
             refused = list(_refused(language, names))
             problems += refused
             if names and not refused:
-                used[language] = drivers.load(DRIVERS[language])
+                usable_drivers[language] = drivers.load(DRIVERS[language])
         except Unavailable as error:
             skipped.append(f"{language} ({error})")
-    problems += _wrong(used, texts, committed["glsl"])
-    names = ", ".join(driver.name for driver in used.values()) or "no driver"
+    problems += _wrong(usable_drivers, texts, committed["glsl"])
+    names = ", ".join(driver.name for driver in usable_drivers.values()) or "no driver"
     terminal.tell(*problems[:24], f"{len(problems)} problems in parity, rules, {', '.join(entries)} and on {names}")
     terminal.tell(f"not run: {', '.join([*skipped, 'other drivers and compilers, probes, samples'])} (validation/test)")
     terminal.end(not problems)

@@ -110,22 +110,22 @@ def mistakes(settings: Settings, near: float, far: float, read: float | None = N
         yield from _depths(settings, near, far, read)
 
 
-def _unfiltered(item: Pass) -> Pass:
+def _unfiltered(render_pass: Pass) -> Pass:
     """Return the pass with a program that reads the nearest texel instead of filtering."""
-    version, _, rest = shaders.glsl(item.entry, "330", item.constants).partition("\n")
-    return replace(item, sources={"glsl": f"{version}\n{NEAREST}{rest}"})
+    version, _, body = shaders.glsl(render_pass.entry, "330", render_pass.constants).partition("\n")
+    return replace(render_pass, sources={"glsl": f"{version}\n{NEAREST}{body}"})
 
 
-def _with_alpha(item: Pass, expression: str) -> Pass:
+def _with_alpha(render_pass: Pass, expression: str) -> Pass:
     """Return the CoC map's pass with a program that changes its result's alpha; other passes stay as they are.
 
     expression  GLSL of the new alpha, with BokehResult.a as the signed CoC
     """
-    if item.entry != plan.SIGNED_MAP:
-        return item
-    program = shaders.glsl(item.entry, "330", item.constants).replace("void main()", "void bokehMap()")
-    changed = f"\nvoid main()\n{{\n    bokehMap();\n    BokehResult.a = {expression};\n}}\n"
-    return replace(item, sources={"glsl": program + changed})
+    if render_pass.entry != plan.SIGNED_MAP:
+        return render_pass
+    program = shaders.glsl(render_pass.entry, "330", render_pass.constants).replace("void main()", "void bokehMap()")
+    new_main = f"\nvoid main()\n{{\n    bokehMap();\n    BokehResult.a = {expression};\n}}\n"
+    return replace(render_pass, sources={"glsl": program + new_main})
 
 
 def _others(settings: Settings) -> Iterator[Mistake]:
@@ -160,19 +160,21 @@ def _presets(settings: Settings) -> Iterator[Mistake]:
     """
     for name in methods.PRESETS if settings.method != "naive" else ():
         samples, spacing = methods.EXACT_PRESETS[name]
-        other, given = replace(settings, samples=samples, spacing=spacing), f"--samples {samples} --spacing {spacing}"
+        other = replace(settings, samples=samples, spacing=spacing)
+        option_text = f"--samples {samples} --spacing {spacing}"
         if settings.method != "paper":
-            other, given = replace(settings, preset=name, samples=None, spacing=None), f"--preset {name}"
+            other = replace(settings, preset=name, samples=None, spacing=None)
+            option_text = f"--preset {name}"
         if other != settings:
-            yield Mistake(f"it is preset {name.upper()}", f"If that is meant, compare with {given}.", other)
+            yield Mistake(f"it is preset {name.upper()}", f"If that is meant, compare with {option_text}.", other)
 
 
 def _depths(settings: Settings, near: float, far: float, set_kind: float | None) -> Iterator[Mistake]:
     """Yield depth that is flipped, has the wrong sign about the focus distance, or was read as another kind."""
 
-    def misread(held: int, read: int, depth: np.ndarray) -> np.ndarray:
+    def misread(stored_kind: int, read_kind: int, depth: np.ndarray) -> np.ndarray:
         inside = np.clip(depth.astype(np.float64), near, far)
-        return linear_depth(stored_depth(inside, held, near, far), read, near, far)
+        return linear_depth(stored_depth(inside, stored_kind, near, far), read_kind, near, far)
 
     flip = "Row 0 of the depth buffer is the top of the picture too."
     yield Mistake("depth is upside down: its v is flipped", flip, settings, depth=np.flipud)
@@ -183,12 +185,14 @@ def _depths(settings: Settings, near: float, far: float, set_kind: float | None)
             ("the CoC has no sign", "abs(BokehResult.a)"),
         ):
             yield Mistake(name, signed, settings, passes=partial(_with_alpha, expression=alpha), drivers=GLSL_DRIVERS)
-    for held, read in ((held, read) for held in KINDS[:4] for read in KINDS if held != read):
-        kinds = DEPTH_KINDS[held], DEPTH_KINDS[read]
+    for stored_kind, read_kind in (
+        (stored_kind, read_kind) for stored_kind in KINDS[:4] for read_kind in KINDS if stored_kind != read_kind
+    ):
+        kinds = DEPTH_KINDS[stored_kind], DEPTH_KINDS[read_kind]
         if set_kind not in (None, kinds[1]):
             continue
-        name = f"the depth is {held} and was read as {read}"
-        advice = f"If BokehDepthKind is {kinds[1]} ({read}) now, set it to {kinds[0]} ({held})."
+        name = f"the depth is {stored_kind} and was read as {read_kind}"
+        advice = f"If BokehDepthKind is {kinds[1]} ({read_kind}) now, set it to {kinds[0]} ({stored_kind})."
         yield Mistake(name, advice, settings, depth=partial(misread, *kinds))
 
 
@@ -223,26 +227,31 @@ def compare(
     """Compare an engine's result with ours, and name the likeliest mistake."""
     if not 0 < near < far < np.inf:
         raise UserError(f"--near {near:g} --far {far:g}: not allowed. Give 0 < near < far, in metres.")
-    known = options.parsed_sets(sets)
-    near, far = known.get("BokehNear", near), known.get("BokehFar", far)
+    engine_values = options.parsed_sets(sets)
+    near, far = engine_values.get("BokehNear", near), engine_values.get("BokehFar", far)
     scene, theirs = render.read(source, settings, depth_channel, layer), exr.read(result, None)
     if scene.size != theirs.size:
         raise UserError(f"{result}: {theirs.size} pixels, the input has {scene.size}. Render it at the input's size.")
-    used, pixels = terminal.pick_driver(driver, adapter), theirs.color[..., :3].astype(np.float64)
-    (steps, nearest), *_ = _nearest([Mistake("", "", settings, storage=name) for name in STORAGE], used, scene, pixels)
+    active_driver, pixels = terminal.pick_driver(driver, adapter), theirs.color[..., :3].astype(np.float64)
+    (steps, nearest), *_ = _nearest(
+        [Mistake("", "", settings, storage=name) for name in STORAGE], active_driver, scene, pixels
+    )
     terminal.tell(
-        f"{result} beside {settings.method} {settings.aperture} by {used.name} ({used.adapter}): {_shares(steps)}",
+        f"{result} beside {settings.method} {settings.aperture} by {active_driver.name} ({active_driver.adapter}): "
+        f"{_shares(steps)}",
         f"nearest to {nearest.storage} targets; the input has {scene.storage} colour. Either kind of target is right",
     )
-    terminal.tell(*_set_otherwise(known, settings, scene.size))
+    terminal.tell(*_set_otherwise(engine_values, settings, scene.size))
     bound = metrics.CLOSE_STEPS
     if (steps <= bound).mean() < metrics.CLOSE_SHARE:
-        likeliest = _nearest(list(mistakes(settings, near, far, known.get("BokehDepthKind"))), used, scene, pixels)
+        likeliest = _nearest(
+            list(mistakes(settings, near, far, engine_values.get("BokehDepthKind"))), active_driver, scene, pixels
+        )
         explained, bound = likeliest[0][0], metrics.FAR_STEPS
         if _score(explained) < NEARER * _score(steps):
-            several = f"one of {len(likeliest)} that make the same picture: " if len(likeliest) > 1 else ""
+            tie_text = f"one of {len(likeliest)} that make the same picture: " if len(likeliest) > 1 else ""
             for _, mistake in likeliest:
-                terminal.tell(f"likeliest mistake: {several}{mistake.name}. {mistake.advice}")
+                terminal.tell(f"likeliest mistake: {tie_text}{mistake.name}. {mistake.advice}")
             terminal.tell(f"with it, {_shares(explained)}")
             terminal.end(False)
     same = (steps <= bound).mean() >= metrics.CLOSE_SHARE
@@ -252,15 +261,16 @@ def compare(
     terminal.end(same)
 
 
-def _set_otherwise(known: dict[str, float], settings: Settings, size: tuple[int, int]) -> Iterator[str]:
+def _set_otherwise(engine_values: dict[str, float], settings: Settings, size: tuple[int, int]) -> Iterator[str]:
     """Yield a line for each parameter that the engine sets to another value; parameters of the depth buffer are
     skipped.
     """
     passes = methods.plan(settings, size).passes
-    for name, value in known.items():
-        used = {item.values()[name] for item in passes if name in item.parameters} or {PARAMETERS[name]}
-        if name not in DEPTH_PARAMETERS and not any(abs(value - one) <= SAME_VALUE * abs(one) for one in used):
-            yield f"{name} is {value:g} in your engine and {' or '.join(f'{one:g}' for one in sorted(used))} here"
+    for name, value in engine_values.items():
+        ours = {render_pass.values()[name] for render_pass in passes if name in render_pass.parameters}
+        ours = ours or {PARAMETERS[name]}
+        if name not in DEPTH_PARAMETERS and not any(abs(value - our) <= SAME_VALUE * abs(our) for our in ours):
+            yield f"{name} is {value:g} in your engine and {' or '.join(f'{our:g}' for our in sorted(ours))} here"
 
 
 def _nearest(candidates: list[Mistake], driver: Driver, scene: Scene, pixels: np.ndarray) -> list:

@@ -33,12 +33,12 @@ def state(name: str, absent: set[str]) -> str:
     """
     need = needs.NEEDS[name]
     if need.extra:
-        there = (setup.environment() / f"complete-{need.extra}").exists()
+        is_installed = (setup.environment() / f"complete-{need.extra}").exists()
     elif need.packages and shutil.which("dpkg-query"):
-        there = all(package not in absent or shutil.which(package) for package in need.packages)
+        is_installed = all(package not in absent or shutil.which(package) for package in need.packages)
     else:
         return ""
-    return "[green]found[/]" if there else "[yellow]missing[/]"
+    return "[green]found[/]" if is_installed else "[yellow]missing[/]"
 
 
 def print_needs() -> None:

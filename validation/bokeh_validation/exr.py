@@ -87,14 +87,14 @@ def _parts(path: Path, header_only: bool) -> list[OpenEXR.Part]:
 
     It prints from C to file descriptor 2, and through Python's standard output.
     """
-    kept = os.dup(2)
+    stderr_copy = os.dup(2)
     with open(os.devnull, "w") as nowhere, contextlib.redirect_stdout(nowhere):
         os.dup2(nowhere.fileno(), 2)
         try:
             return OpenEXR.File(str(path), separate_channels=True, header_only=header_only).parts
         finally:
-            os.dup2(kept, 2)
-            os.close(kept)
+            os.dup2(stderr_copy, 2)
+            os.close(stderr_copy)
 
 
 def _place(parts: list[OpenEXR.Part], name: str, what: str, advice: str) -> tuple[int, str]:
@@ -107,8 +107,8 @@ def _place(parts: list[OpenEXR.Part], name: str, what: str, advice: str) -> tupl
     places: dict[str, list[tuple[int, str]]] = {}
     for index, part in enumerate(parts):
         for channel in part.header["channels"]:
-            for known in dict.fromkeys((channel.name, f"{part.name()}.{channel.name}".removeprefix("."))):
-                places.setdefault(known, []).append((index, channel.name))
+            for spelling in dict.fromkeys((channel.name, f"{part.name()}.{channel.name}".removeprefix("."))):
+                places.setdefault(spelling, []).append((index, channel.name))
     if len(places.get(name, ())) == 1:
         return places[name][0]
     problem = "several parts have" if name in places else "no"

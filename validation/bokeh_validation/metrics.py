@@ -76,8 +76,8 @@ def compare(result: np.ndarray, expected: Image, software: bool) -> Comparison:
     """
     dtype = result.dtype.type
     distance = steps(result, expected.value, dtype)
-    off = np.abs(result.astype(np.float64) - expected.value)
-    bad = ~np.isfinite(result).all(axis=-1)
+    error = np.abs(result.astype(np.float64) - expected.value)
+    not_finite = ~np.isfinite(result).all(axis=-1)
     far = distance > FAR_STEPS
     decided = distance[~expected.undecided]
     return Comparison(
@@ -85,7 +85,7 @@ def compare(result: np.ndarray, expected: Image, software: bool) -> Comparison:
         worst=float(np.ceil(decided.max())) if decided.size else 0.0,
         excused=float((far & expected.undecided).mean()),
         undecided=float(expected.undecided.mean()),
-        outside=int((((off > expected.error).any(axis=-1)) | bad).sum()),
+        outside=int((((error > expected.error).any(axis=-1)) | not_finite).sum()),
         software=software,
     )
 

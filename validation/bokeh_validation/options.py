@@ -58,15 +58,15 @@ class Option:
 
     def value(self, settings: Settings) -> object:
         """Return the value that the settings have for this option."""
-        owner, _, part = self.field.partition(".")
-        whole = getattr(settings, owner)
-        return getattr(whole, part) if part else whole
+        owner, _, member = self.field.partition(".")
+        owner_value = getattr(settings, owner)
+        return getattr(owner_value, member) if member else owner_value
 
     def put(self, settings: Settings, value: object) -> Settings:
         """Return the settings with another value for this option."""
-        owner, _, part = self.field.partition(".")
-        if part:
-            value = replace(getattr(settings, owner), **{part: value})
+        owner, _, member = self.field.partition(".")
+        if member:
+            value = replace(getattr(settings, owner), **{member: value})
         return replace(settings, **{owner: value})
 
     def told(self, settings: Settings) -> str:
@@ -154,41 +154,43 @@ LENS_OPTIONS = [
 ]
 
 
-def with_lens(settings: Settings, given: Iterable[Option], f_stop: float | None, bokeh_scale: float | None) -> Settings:
+def with_lens(
+    settings: Settings, given_options: Iterable[Option], f_stop: float | None, bokeh_scale: float | None
+) -> Settings:
     """Return the settings with the aperture that an f-stop and a bokeh scale make, computed as in every integration.
 
-    given        the other options on the command line
-    f_stop       None: F_STOP
-    bokeh_scale  None: BOKEH_SCALE
+    given_options  the other options on the command line
+    f_stop         None: F_STOP
+    bokeh_scale    None: BOKEH_SCALE
     Raises UserError if one is out of range, or if another option already sets the aperture.
     """
-    wanted = {"--f-stop": (f_stop, TINY), "--bokeh-scale": (bokeh_scale, 0.0)}
-    wanted = {name: pair for name, pair in wanted.items() if pair[0] is not None}
-    taken = [option.name for option in given if option.name in ("aperture-diameter", "coc")]
-    for name, (value, least) in wanted.items():
-        if not least <= value < INF:
-            raise UserError(f"{name} {value:g}: not allowed. Give {'more than 0' if least else '0 or more'}.")
-        if taken:
-            raise UserError(f"{name} {value:g}: no effect with --{taken[0]}. Leave one of them out.")
-    if taken:
+    lens_values = {"--f-stop": (f_stop, TINY), "--bokeh-scale": (bokeh_scale, 0.0)}
+    lens_values = {name: pair for name, pair in lens_values.items() if pair[0] is not None}
+    conflicting = [option.name for option in given_options if option.name in ("aperture-diameter", "coc")]
+    for name, (value, minimum) in lens_values.items():
+        if not minimum <= value < INF:
+            raise UserError(f"{name} {value:g}: not allowed. Give {'more than 0' if minimum else '0 or more'}.")
+        if conflicting:
+            raise UserError(f"{name} {value:g}: no effect with --{conflicting[0]}. Leave one of them out.")
+    if conflicting:
         return settings
     scale = BOKEH_SCALE if bokeh_scale is None else bokeh_scale
     diameter = settings.camera.focal_length / (F_STOP if f_stop is None else f_stop) * scale
     return replace(settings, camera=replace(settings.camera, aperture_diameter=diameter))
 
 
-def parsed_sets(given: Iterable[str] | None) -> dict[str, float]:
+def parsed_sets(arguments: Iterable[str] | None) -> dict[str, float]:
     """Return parameter -> value from --set NAME=VALUE arguments. Raises UserError."""
-    found = {}
-    for text in given or ():
+    values = {}
+    for text in arguments or ():
         name, _, number = text.partition("=")
         if name not in PARAMETERS:
             raise UserError(f"--set {text}: no parameter {name!r}. docs/reference/parameters.md has all of them.")
         try:
-            found[name] = float(number)
+            values[name] = float(number)
         except ValueError:
             raise UserError(f"--set {text}: {number!r} is no number. Give one, such as {name}=1.") from None
-    return found
+    return values
 
 
 def read_plan(path: Path) -> Settings:
@@ -216,26 +218,28 @@ def with_settings(command: Callable) -> Callable:
     def called(*arguments, **values):
         file = values.pop(PLAN.name, None)
         lens = [values.pop(option.name, None) for option in LENS_OPTIONS]
-        settings, given = DEFAULT if file is None else read_plan(file), []
+        settings, given_options = DEFAULT if file is None else read_plan(file), []
         for option in TABLE:
             value = values.pop(option.parameter.name, None)
             if value is not None:
                 settings = option.put(settings, value)
-                given.append(option)
+                given_options.append(option)
         if file is None or any(value is not None for value in lens):
-            settings = with_lens(settings, given, *lens)
-        check(settings, given)
+            settings = with_lens(settings, given_options, *lens)
+        check(settings, given_options)
         return command(*arguments, settings=settings, **values)
 
-    own = [p.replace(kind=KEYWORD) for name, p in signature.parameters.items() if name != "settings"]
+    parameters = [
+        parameter.replace(kind=KEYWORD) for name, parameter in signature.parameters.items() if name != "settings"
+    ]
     called.__signature__ = signature.replace(
-        parameters=[*own, PLAN, *LENS_OPTIONS, *(option.parameter for option in TABLE)]
+        parameters=[*parameters, PLAN, *LENS_OPTIONS, *(option.parameter for option in TABLE)]
     )
     return called
 
 
-def check(settings: Settings, given: Iterable[Option] = ()) -> None:
-    """Refuse settings that make no sense, and options in `given` that have no effect. Raises UserError."""
+def check(settings: Settings, given_options: Iterable[Option] = ()) -> None:
+    """Refuse settings that make no sense, and options in `given_options` that have no effect. Raises UserError."""
     for option in TABLE:
         value = option.value(settings)
         if option.kind is str and value not in option.allowed:
@@ -244,12 +248,12 @@ def check(settings: Settings, given: Iterable[Option] = ()) -> None:
             low, high, text = option.allowed
             if not math.isfinite(value) or not low <= value <= high:
                 raise UserError(f"{option.told(settings)}: not allowed. Give {text}.")
-    for option in given:
-        told, others = option.told(settings), " or ".join(option.methods)
+    for option in given_options:
+        typed, supporting = option.told(settings), " or ".join(option.methods)
         if settings.method not in option.methods:
-            raise UserError(f"{told}: no effect on {settings.method}. Give --method {others}, or leave it out.")
+            raise UserError(f"{typed}: no effect on {settings.method}. Give --method {supporting}, or leave it out.")
         if option.needs and not option.needs[0](settings):
-            raise UserError(f"{told}: no effect {option.needs[1]}. {option.needs[2]}.")
+            raise UserError(f"{typed}: no effect {option.needs[1]}. {option.needs[2]}.")
     method, aperture, count = settings.method, settings.aperture, settings.count
     camera, coc = settings.camera, settings.coc
     if method in POLYGON_METHODS and aperture not in methods.EXACT:

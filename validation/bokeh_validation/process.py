@@ -70,21 +70,21 @@ def once(make: Callable) -> Callable:
     """Decorate a function without arguments so that it runs once per process; an Unavailable that it raises is
     remembered too.
     """
-    lock, made = Lock(), []
+    lock, outcome = Lock(), []
 
     @wraps(make)
     def remembered():
         with lock:
-            if not made:
+            if not outcome:
                 try:
-                    made.append(make())
+                    outcome.append(make())
                 except Unavailable as error:
-                    made.append(error)
+                    outcome.append(error)
                 except ImportError as error:
-                    made.append(Unavailable(f"{error.name} is not installed; validation/run sets it up"))
-        if isinstance(made[0], Unavailable):
-            raise made[0]
-        return made[0]
+                    outcome.append(Unavailable(f"{error.name} is not installed; validation/run sets it up"))
+        if isinstance(outcome[0], Unavailable):
+            raise outcome[0]
+        return outcome[0]
 
     return remembered
 

@@ -130,13 +130,13 @@ class _Apt:
 
     def _offered(self, names: Sequence[str]) -> list[str]:
         """Return the packages that the package lists offer."""
-        found, name = [], ""
+        available, name = [], ""
         for line in self._said("apt-cache", "policy", *names).splitlines():
             if not line.startswith(" "):
                 name = line.partition(":")[0]
             elif line.strip().startswith("Candidate:") and "(none)" not in line:
-                found.append(name)
-        return found
+                available.append(name)
+        return available
 
     def install(self, names: Sequence[str]) -> None:
         offered = self._offered(names)
@@ -151,14 +151,14 @@ class _Apt:
         if not offered:
             return
         options = ("install", "-y", "--no-install-recommends", *offered)
-        asked = self._said("apt-get", "--assume-no", *(option for option in options if option != "-y"))
-        sizes = re.findall(r"Need to get (.*) of archives|operation, (.*) of additional", asked)
-        told = [
+        simulation = self._said("apt-get", "--assume-no", *(option for option in options if option != "-y"))
+        sizes = re.findall(r"Need to get (.*) of archives|operation, (.*) of additional", simulation)
+        size_texts = [
             size
             for pair, word in zip(sizes, ("to fetch", "on disk"), strict=False)
             for size in (f"{''.join(pair)} {word}",)
         ]
-        say(f"installing {' '.join(offered)} ({', '.join(told)})")
+        say(f"installing {' '.join(offered)} ({', '.join(size_texts)})")
         install = ("-o", "DPkg::Lock::Timeout=300", *options)
         if self._run(*install):
             return
@@ -204,9 +204,11 @@ def install_extras(extras: Sequence[str]) -> Path:
 
 def _make(target: Path) -> None:
     shutil.rmtree(target, ignore_errors=True)
-    made = subprocess.run([sys.executable, "-m", "venv", str(target)], capture_output=True, text=True)
-    if made.returncode:
-        raise SetUpFailed(f"{sys.executable} cannot make virtual environments: {_last(made.stdout + made.stderr)}")
+    finished = subprocess.run([sys.executable, "-m", "venv", str(target)], capture_output=True, text=True)
+    if finished.returncode:
+        raise SetUpFailed(
+            f"{sys.executable} cannot make virtual environments: {_last(finished.stdout + finished.stderr)}"
+        )
 
 
 def _last(text: str) -> str:
@@ -221,21 +223,23 @@ def _pip(python: Path, lock: Path) -> None:
     # in its own session, so that it can be ended together with this process
     options = {"stdin": subprocess.DEVNULL, "stderr": subprocess.STDOUT, "start_new_session": True}
     process = subprocess.Popen(list(map(str, command)), stdout=subprocess.PIPE, text=True, errors="replace", **options)
-    said = []
+    printed = []
     try:
         for line in process.stdout:
-            said.append(line)
-            if found := re.match(r"Collecting ([^ ]*)", line):
-                say(f"  {found[1]}")
+            printed.append(line)
+            if match := re.match(r"Collecting ([^ ]*)", line):
+                say(f"  {match[1]}")
         process.wait()
     except BaseException:
         with suppress(ProcessLookupError):
             os.killpg(process.pid, signal.SIGKILL)
         process.wait()
         raise
-    log.write_text("".join(said))
+    log.write_text("".join(printed))
     if process.returncode:
-        reason = "the package index cannot be reached" if UNREACHABLE.search("".join(said)) else _last("".join(said))
+        reason = (
+            "the package index cannot be reached" if UNREACHABLE.search("".join(printed)) else _last("".join(printed))
+        )
         raise SetUpFailed(f"the Python packages could not be installed: {reason}; see {log}")
 
 

@@ -122,8 +122,8 @@ def pick_driver(name: str | None, adapter: str | None) -> "Driver":
             return drivers.load(candidate, adapter)
         except Unavailable:
             continue
-    (found,), _ = pick_drivers([AUTO[0] if name is None else name], adapter)
-    return found
+    (loaded,), _ = pick_drivers([AUTO[0] if name is None else name], adapter)
+    return loaded
 
 
 def pick_drivers(names: Iterable[str], adapter: str | None) -> tuple[list["Driver"], dict[str, str]]:

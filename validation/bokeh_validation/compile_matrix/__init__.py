@@ -80,7 +80,7 @@ class Compilation:
     @property
     def missing(self) -> dict[str, str]:
         """Return missing compiler -> how to install it."""
-        cells = [item for row in self.rows for item in row.cells.items()]
+        cells = [entry for row in self.rows for entry in row.cells.items()]
         return {column: cell.message for column, cell in cells if cell.status == MISSING}
 
     def table(self) -> Table:
@@ -89,7 +89,7 @@ class Compilation:
         for variant in dict.fromkeys(row.program.variant for row in self.rows):
             rows = [row for row in self.rows if row.program.variant == variant]
             cells = {name: [row.cells[name] for row in rows if name in row.cells] for name in rows[0].program.compilers}
-            table.add_row(variant, str(len(rows)), ", ".join(_words(*item) for item in cells.items() if item[1]))
+            table.add_row(variant, str(len(rows)), ", ".join(_words(*entry) for entry in cells.items() if entry[1]))
         return table
 
     def as_json(self) -> dict[str, object]:

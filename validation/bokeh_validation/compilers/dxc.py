@@ -144,8 +144,8 @@ def command(words: Sequence[str]) -> str | None:
     """
     *options, _, output, file = words
 
-    def included(found: re.Match) -> str:
-        return Path(file).parent.joinpath(found[1]).read_text(encoding="ascii")
+    def included(match: re.Match) -> str:
+        return Path(file).parent.joinpath(match[1]).read_text(encoding="ascii")
 
     text = Path(file).read_text(encoding="ascii")
     result = _compile(re.sub(r'^#include "(.*)"', included, text, flags=re.MULTILINE), options)
@@ -158,8 +158,8 @@ def _compile(source: str, options: Sequence[str]) -> CompileResult:
     arguments = ((ctypes.c_wchar_p * len(options))(*options), ctypes.c_uint32(len(options)))
     data = source.encode("ascii")
     buffer, result = Buffer(data, len(data), UTF8), ctypes.c_void_p()
-    given = (ctypes.byref(buffer), *arguments, ctypes.c_void_p(None), IID_RESULT, ctypes.byref(result))
-    status = _call(load(), SLOT_FIRST, *given)
+    compile_arguments = (ctypes.byref(buffer), *arguments, ctypes.c_void_p(None), IID_RESULT, ctypes.byref(result))
+    status = _call(load(), SLOT_FIRST, *compile_arguments)
     if status or not result:
         return refused(f"Compile() failed with status {status & 0xFFFFFFFF:08x}")
     outcome = ctypes.c_int32()

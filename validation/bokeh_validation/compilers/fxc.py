@@ -39,24 +39,24 @@ def compiled(source: str, profile: str, entry: str) -> CompileResult:
     Not thread-safe, since there is one compiler process.
     """
     running, problem = load(), ""
-    kept = {name: running.folder / f"fxc.{name}" for name in ("messages", "bytecode", "listing")}
-    for file in kept.values():
+    output_files = {name: running.folder / f"fxc.{name}" for name in ("messages", "bytecode", "listing")}
+    for file in output_files.values():
         file.write_bytes(b"")
     (running.folder / "fxc.source").write_bytes(source.encode("ascii"))
     try:
         running.ask(f"{profile} {entry}", COMPILE_S)
     except RuntimeError as error:
         problem = str(error)
-    said, bytecode, listing = (file.read_bytes() for file in kept.values())
-    said, listing = (text.decode("utf-8", "replace").replace("\r", "").strip("\0") for text in (said, listing))
-    messages = _PLACE.sub(r"bokeh.hlsl:\1:\2", said).strip()
+    printed, bytecode, listing = (file.read_bytes() for file in output_files.values())
+    printed, listing = (text.decode("utf-8", "replace").replace("\r", "").strip("\0") for text in (printed, listing))
+    messages = _PLACE.sub(r"bokeh.hlsl:\1:\2", printed).strip()
     if problem:
         return refused(messages or problem)
-    known = facts(listing)
-    problem = over_budget(known, profile) or dead_break(listing)
+    counts = facts(listing)
+    problem = over_budget(counts, profile) or dead_break(listing)
     if problem:
-        return CompileResult(False, f"{problem}\n{messages}".strip(), b"", known)
-    return accepted(messages, bytecode, known)
+        return CompileResult(False, f"{problem}\n{messages}".strip(), b"", counts)
+    return accepted(messages, bytecode, counts)
 
 
 # fxc gives the file's full path and (line,column); this is rewritten to DXC's form, bokeh.hlsl:12:5
@@ -72,10 +72,10 @@ def facts(listing: str) -> dict[str, int]:
     """
     code = "\n".join(line for line in listing.splitlines() if not line.lstrip().startswith("//"))
     match = _SLOTS.search(listing)
-    known = {"slots": int(match[1])} if match else {}
+    counts = {"slots": int(match[1])} if match else {}
     for name, letter in {"temporaries": "r", "constants": "c", "samplers": "s"}.items():
-        known[name] = len(set(re.findall(rf"(?<![\w.]){letter}\d+(?!\w)", code)))
-    return known
+        counts[name] = len(set(re.findall(rf"(?<![\w.]){letter}\d+(?!\w)", code)))
+    return counts
 
 
 # break_ne and similar instructions that compare a register with itself

@@ -22,8 +22,8 @@ def software_device(adapter: str) -> str:
 
 def precision_of(adapter: str) -> precision.Precision:
     """Return the precision that the reference has to allow a device."""
-    known = {"Mesa": precision.SOFTWARE, "SwiftShader": precision.SWIFTSHADER}
-    return known.get(software_device(adapter), precision.GPU)
+    precisions = {"Mesa": precision.SOFTWARE, "SwiftShader": precision.SWIFTSHADER}
+    return precisions.get(software_device(adapter), precision.GPU)
 
 
 PROGRAMS = 64  # kept by a driver between jobs; one takes 3 to 5 MB in Mesa
@@ -101,7 +101,7 @@ class Image(NamedTuple):
     @classmethod
     def of(cls, name: str, pixels: np.ndarray) -> "Image":
         """Make an image of pixels (H, W) or (H, W, channels), float16 or float32."""
-        storage = next(known for known, dtype in STORAGE.items() if pixels.dtype == dtype)
+        storage = next(key for key, dtype in STORAGE.items() if pixels.dtype == dtype)
         channels = 1 if pixels.ndim == 2 else pixels.shape[2]
         return cls(name, pixels.shape[1::-1], storage, channels, np.ascontiguousarray(pixels))
 
@@ -133,18 +133,21 @@ def flattened(
     """
     images = [Image.of(name, pixels) for name, pixels in textures.items()]
     numbers, draws = {name: number for number, name in enumerate(textures)}, []
-    for item in passes:
-        inputs, extent = {slot: numbers[name] for slot, name in item.inputs.items()}, target_size(item.scale, size)
-        needed, limit = 4 * np.dtype(STORAGE[storage]).itemsize * len(item.outputs), driver.attachment_bytes
-        if needed > limit:
-            raise Unavailable(f"{driver.adapter} writes {limit} bytes a pixel at once; {item.entry} needs {needed}")
-        for name in item.outputs:
+    for render_pass in passes:
+        inputs = {slot: numbers[name] for slot, name in render_pass.inputs.items()}
+        extent, limit = target_size(render_pass.scale, size), driver.attachment_bytes
+        bytes_needed = 4 * np.dtype(STORAGE[storage]).itemsize * len(render_pass.outputs)
+        if bytes_needed > limit:
+            raise Unavailable(
+                f"{driver.adapter} writes {limit} bytes a pixel at once; {render_pass.entry} needs {bytes_needed}"
+            )
+        for name in render_pass.outputs:
             # a viewport draws into the existing target; otherwise the name refers to a new target from here on
-            if not item.viewport or numbers.get(name, -1) < len(textures):
+            if not render_pass.viewport or numbers.get(name, -1) < len(textures):
                 numbers[name] = len(images)
                 images.append(Image(name, extent, storage))
-        area = target_area(item.scale, item.viewport) if item.viewport else (0, 0, *extent)
-        draws.append(Draw(item, inputs, [numbers[name] for name in item.outputs], area))
+        area = target_area(render_pass.scale, render_pass.viewport) if render_pass.viewport else (0, 0, *extent)
+        draws.append(Draw(render_pass, inputs, [numbers[name] for name in render_pass.outputs], area))
     return images, draws, numbers
 
 
@@ -159,8 +162,11 @@ class DeviceDriver(Driver):
         self.make_current()
         handles = list(map(self.texture, images))
         self.draw([self.step(draw, handles) for draw in draws])
-        kept = {name: numbers[name] for name in keep}
-        return {name: images[at].shaped(self.pixels(handles[at], images[at])).copy() for name, at in kept.items()}
+        kept_numbers = {name: numbers[name] for name in keep}
+        return {
+            name: images[number].shaped(self.pixels(handles[number], images[number])).copy()
+            for name, number in kept_numbers.items()
+        }
 
     def make_current(self) -> None:
         """Make the driver's context current; called before anything else."""
@@ -190,10 +196,10 @@ def half_rounding(driver: "Driver") -> str:
         Pass("BokehConstantCoC", {"ColorSamp": "color"}, f"{i}", {"BokehConstantCoC": float(c), "BokehMaxCoC": 1.0})
         for i, c in enumerate(constants)
     ]
-    names = [name for item in passes for name in item.outputs]
+    names = [name for render_pass in passes for name in render_pass.outputs]
     outputs = driver.run(passes, {"color": np.ones((1, 1, 4), np.float16)}, (1, 1), keep=names)
-    seen = np.array([outputs[name][0, 0, 3] for name in names])
+    stored = np.array([outputs[name][0, 0, 3] for name in names])
     for rounding in ("nearest", "zero"):
-        if np.array_equal(seen, images.rounded(constants, np.float16, rounding)):
+        if np.array_equal(stored, images.rounded(constants, np.float16, rounding)):
             return rounding
     raise RuntimeError(f"{driver.name}: half-float targets neither round to nearest nor cut off")

@@ -67,11 +67,11 @@ class D3D9(Driver):
 
     def make(self, number: int, image: Image) -> None:
         """Create a texture or a target with this number."""
-        given = []
+        file_names = []
         if image.pixels is not None:
             self.file.write_bytes(image.pixels.tobytes())
-            given = [self.file.name]
-        self.ask("texture", number, *image.size, f"{image.storage}{image.channels}", *given)
+            file_names = [self.file.name]
+        self.ask("texture", number, *image.size, f"{image.storage}{image.channels}", *file_names)
 
     def pixels(self, number: int, image: Image) -> np.ndarray:
         """Read a target, (H, W, channels)."""
@@ -87,12 +87,14 @@ class D3D9(Driver):
         self.ask("vertex", self.shader("vs", "BokehFullScreen_VS", {}))
         for number, image in enumerate(images):
             self.make(number, image)
-        for item, inputs, targets, area in draws:
-            self.ask("pixel", self.shader("ps", f"{item.entry}_PS", item.constants))
+        for render_pass, inputs, targets, area in draws:
+            self.ask("pixel", self.shader("ps", f"{render_pass.entry}_PS", render_pass.constants))
             for slot, number in inputs.items():
-                self.ask("input", SLOTS.index(slot), number, "linear" if is_linear(item.entry, slot) else "nearest")
+                self.ask(
+                    "input", SLOTS.index(slot), number, "linear" if is_linear(render_pass.entry, slot) else "nearest"
+                )
             # nine significant digits identify any float32
-            self.ask("values", *(f"{value:.9g}" for value in item.values().values()))
+            self.ask("values", *(f"{value:.9g}" for value in render_pass.values().values()))
             self.ask("viewport", *area)
             self.ask("draw", *targets)
         return {name: self.pixels(numbers[name], images[numbers[name]]) for name in keep}

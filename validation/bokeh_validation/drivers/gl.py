@@ -55,21 +55,25 @@ class GLDriver(DeviceDriver):
         return texture
 
     def step(self, draw: Draw, handles: Sequence) -> "Step":
-        item = draw.item
-        text = item.sources["glsl"] if item.sources else shaders.glsl(item.entry, "330", item.constants)
+        render_pass = draw.item
+        text = (
+            render_pass.sources["glsl"]
+            if render_pass.sources
+            else shaders.glsl(render_pass.entry, "330", render_pass.constants)
+        )
         framebuffer = self.context.framebuffer([handles[number] for number in draw.targets])
         # the full-screen triangle is clipped to the viewport; its y counts from the first row in memory, like v
         framebuffer.viewport = draw.area
         bound = {slot: handles[number] for slot, number in draw.inputs.items()}
-        return Step(item, self.program(text), bound, framebuffer)
+        return Step(render_pass, self.program(text), bound, framebuffer)
 
     def draw(self, steps: Sequence["Step"]) -> None:
-        for item, array, bound, target in steps:
+        for render_pass, array, bound, target in steps:
             for unit, slot in enumerate(SLOTS):
                 if slot in bound:
                     bound[slot].use(unit)
-                    self.samplers[is_linear(item.entry, slot)].use(unit)
-            for name, value in item.values().items():
+                    self.samplers[is_linear(render_pass.entry, slot)].use(unit)
+            for name, value in render_pass.values().items():
                 # set every time: it is cheap, and the program may have other values from an earlier pass
                 if name in array.program:
                     array.program[name] = value
@@ -96,15 +100,19 @@ class EGL(GLDriver):
     install = needs.install("opengl")
 
     def __init__(self, adapter: str | None = None):
-        seen = []
+        renderers = []
         for context in _egl_contexts():
-            seen.append(context.info["GL_RENDERER"])
-            if adapter is None or adapter.lower() in seen[-1].lower():
+            renderers.append(context.info["GL_RENDERER"])
+            if adapter is None or adapter.lower() in renderers[-1].lower():
                 super().__init__(context)
                 return
             context.release()
-        named = f" on a device named like {adapter!r}; there are: {', '.join(seen)}" if seen else f"; {self.install}"
-        raise Unavailable(f"EGL gave no OpenGL 3.3 context{named}")
+        reason = (
+            f" on a device named like {adapter!r}; there are: {', '.join(renderers)}"
+            if renderers
+            else f"; {self.install}"
+        )
+        raise Unavailable(f"EGL gave no OpenGL 3.3 context{reason}")
 
 
 def _egl_contexts() -> Iterator[moderngl.Context]:

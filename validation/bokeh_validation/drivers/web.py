@@ -48,7 +48,7 @@ class BrowserDriver(Driver):
         """Return the browser; after a crash, a new one."""
         return browser.session()
 
-    def _program(self, item: Pass) -> dict[str, object]:
+    def _program(self, render_pass: Pass) -> dict[str, object]:
         """Return what the page needs to know of a pass's program."""
 
     def _shared(self) -> dict[str, object]:
@@ -57,17 +57,17 @@ class BrowserDriver(Driver):
     def run(self, passes, textures, size, storage="half", keep=("result",)) -> dict[str, np.ndarray]:
         images, draws, numbers = flattened(self, passes, textures, size, storage)
         job = {**self._shared(), "images": [packed(image) for image in images], "passes": []}
-        for item, inputs, targets, area in draws:
-            read = [
-                {"slot": slot, "image": number, "linear": is_linear(item.entry, slot)}
+        for render_pass, inputs, targets, area in draws:
+            input_images = [
+                {"slot": slot, "image": number, "linear": is_linear(render_pass.entry, slot)}
                 for slot, number in inputs.items()
             ]
-            values = {name: float(value) for name, value in item.values().items()}
-            own = {"inputs": read, "targets": targets, "area": area, "values": values}
-            job["passes"].append({**self._program(item), **own})
+            values = {name: float(value) for name, value in render_pass.values().items()}
+            pass_job = {"inputs": input_images, "targets": targets, "area": area, "values": values}
+            job["passes"].append({**self._program(render_pass), **pass_job})
         job["keep"] = [numbers[name] for name in keep]
-        kept = self.session.call(f"{self.name}.run", job)
-        return {name: unpacked(image, storage) for name, image in zip(keep, kept, strict=True)}
+        results = self.session.call(f"{self.name}.run", job)
+        return {name: unpacked(image, storage) for name, image in zip(keep, results, strict=True)}
 
 
 class WebGL2(BrowserDriver):
@@ -75,8 +75,8 @@ class WebGL2(BrowserDriver):
 
     name = "webgl2"
 
-    def _program(self, item: Pass) -> dict[str, object]:
-        return {"fragment": shaders.glsl(item.entry, "300es", item.constants)}
+    def _program(self, render_pass: Pass) -> dict[str, object]:
+        return {"fragment": shaders.glsl(render_pass.entry, "300es", render_pass.constants)}
 
     def _shared(self) -> dict[str, object]:
         return {"vertex": shaders.glsl("BokehFullScreen", "300es")}
@@ -87,8 +87,8 @@ class WebGPU(BrowserDriver):
 
     name = "webgpu"
 
-    def _program(self, item: Pass) -> dict[str, object]:
-        return {"entry": item.entry + "_PS", "constants": item.constants}
+    def _program(self, render_pass: Pass) -> dict[str, object]:
+        return {"entry": render_pass.entry + "_PS", "constants": render_pass.constants}
 
     def _shared(self) -> dict[str, object]:
         return {"code": shaders.wgsl(), "vertex": "BokehFullScreen_VS", "slots": SAMPLE_TYPES}

@@ -58,10 +58,11 @@ class WGPU(DeviceDriver):
 
     def __init__(self, adapter: str | None = None):
         self.wgpu = _import()
-        chosen = _choose(adapter)
-        self.adapter = f"{chosen.info['device']}, {chosen.info['backend_type']}, {chosen.info['description']}"
-        self.attachment_bytes = chosen.limits[ATTACHMENT_BYTES]
-        self.device = chosen.request_device_sync(
+        device_adapter = _choose(adapter)
+        info = device_adapter.info
+        self.adapter = f"{info['device']}, {info['backend_type']}, {info['description']}"
+        self.attachment_bytes = device_adapter.limits[ATTACHMENT_BYTES]
+        self.device = device_adapter.request_device_sync(
             required_features=[FILTERABLE], required_limits={ATTACHMENT_BYTES: self.attachment_bytes}
         )
         self.programs: dict[tuple, object] = {}
@@ -82,10 +83,10 @@ class WGPU(DeviceDriver):
         entries.append({"binding": FIRST_SAMPLER, "visibility": stage, "sampler": {"type": "filtering"}})
         return self.device.create_bind_group_layout(entries=entries)
 
-    def modules(self, item: Pass) -> tuple:
+    def modules(self, render_pass: Pass) -> tuple:
         """Return (vertex module, fragment module, pipeline constants) of a pass."""
-        module = self.module(shaders.wgsl() if item.sources is None else item.sources["wgsl"])
-        return module, module, {name: float(value) for name, value in item.constants.items()}
+        module = self.module(shaders.wgsl() if render_pass.sources is None else render_pass.sources["wgsl"])
+        return module, module, {name: float(value) for name, value in render_pass.constants.items()}
 
     def make_pipeline(self, vertex: dict, fragment: dict, formats: Sequence[str]):
         """Create a render pipeline of two stages, each {'module', 'entry_point', 'constants'}, with a target per
@@ -100,16 +101,16 @@ class WGPU(DeviceDriver):
             primitive={"topology": "triangle-list"},
         )
 
-    def pipeline(self, item: Pass, formats: Sequence[str]):
+    def pipeline(self, render_pass: Pass, formats: Sequence[str]):
         """Return the pipeline that draws a pass into targets of these formats; the latest PROGRAMS are cached."""
-        key = (item.entry, str(item.constants), str(item.sources), *formats)
+        key = (render_pass.entry, str(render_pass.constants), str(render_pass.sources), *formats)
         if key not in self.programs:
             if len(self.programs) == PROGRAMS:
                 self.programs.pop(next(iter(self.programs)))
-            vertex, fragment, constants = self.modules(item)
+            vertex, fragment, constants = self.modules(render_pass)
             self.programs[key] = self.make_pipeline(
                 {"module": vertex, "entry_point": "BokehFullScreen_VS"},
-                {"module": fragment, "entry_point": f"{item.entry}_PS", "constants": constants},
+                {"module": fragment, "entry_point": f"{render_pass.entry}_PS", "constants": constants},
                 formats,
             )
         return self.programs[key]
@@ -126,10 +127,10 @@ class WGPU(DeviceDriver):
             self.device.queue.write_texture({"texture": texture}, data, layout, texture.size)
         return texture
 
-    def bind(self, item: Pass, bound: Mapping[str, object]):
+    def bind(self, render_pass: Pass, bound: Mapping[str, object]):
         """Create the bind group of a pass; slots that it does not read get a dummy texture."""
         values = np.zeros(-(-len(PARAMETERS) // 4) * 4, np.float32)  # a uniform block is a multiple of 16 bytes
-        values[: len(PARAMETERS)] = list(item.values().values())
+        values[: len(PARAMETERS)] = list(render_pass.values().values())
         buffer = self.device.create_buffer_with_data(data=values.tobytes(), usage=self.wgpu.BufferUsage.UNIFORM)
         entries = [{"binding": 0, "resource": {"buffer": buffer, "offset": 0, "size": values.nbytes}}]
         for slot in SLOTS:
@@ -144,8 +145,8 @@ class WGPU(DeviceDriver):
         pipeline = self.pipeline(draw.item, [target.format for target in targets])
         bindings = self.bind(draw.item, {slot: handles[number] for slot, number in draw.inputs.items()})
         # load, to keep what is around the drawn area
-        kept = {"load_op": "load", "store_op": "store"}
-        attachments = [{"view": target.create_view(), **kept} for target in targets]
+        keep_content = {"load_op": "load", "store_op": "store"}
+        attachments = [{"view": target.create_view(), **keep_content} for target in targets]
 
         def record(encoder) -> None:
             render = encoder.begin_render_pass(color_attachments=attachments)
@@ -183,9 +184,9 @@ class DXC(WGPU):
         self.adapter += f", DXC {dxc.RELEASE}"
         self.vertex = self._compile(shaders.hlsl(6, {}), "BokehFullScreen_VS", "vert")
 
-    def modules(self, item: Pass) -> tuple:
-        code = item.sources["hlsl"] if item.sources else shaders.hlsl(6, item.constants)
-        return self.vertex, self._compile(code, item.entry + "_PS", "frag"), {}
+    def modules(self, render_pass: Pass) -> tuple:
+        code = render_pass.sources["hlsl"] if render_pass.sources else shaders.hlsl(6, render_pass.constants)
+        return self.vertex, self._compile(code, render_pass.entry + "_PS", "frag"), {}
 
     def _compile(self, code: str, entry: str, stage: str):
         return self.module(self._spirv(code, stage, entry))

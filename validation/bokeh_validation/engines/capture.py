@@ -100,14 +100,14 @@ def _shot(folder: Path, data: dict, shot: dict) -> Shot:
     depth = _pixels(folder / shot["depth"], np.float32, shape[:2])
     stored = {"kind": 0, "near": 0.0, "far": 0.0} | (shot.get("stored") or {})
     metres = listings.linear_depth(depth.astype(np.float64), **stored).astype(np.float32)
-    chosen = {key: value for key, value in shot.items() if key in _SETTINGS}
-    settings = methods.Settings(**chosen, camera=methods.Camera(**shot["camera"]))
+    given_settings = {key: value for key, value in shot.items() if key in _SETTINGS}
+    settings = methods.Settings(**given_settings, camera=methods.Camera(**shot["camera"]))
     case = Case(f"{data['engine']}: {shot['name']}", settings, color, metres)
     result = _pixels(folder / shot["result"], np.float16, shape)
     outputs = _written(folder / shot["written"], case) if settings.method == "layered" else {}
     outputs["result"] = result
     textures = case.textures() | {"depth": depth}
-    passes = [_of_buffer(item, **stored) for item in case.plan.passes]
+    passes = [_of_buffer(render_pass, **stored) for render_pass in case.plan.passes]
     # Engines do not say how their targets round, so the rounding that fits is used. Mesa's targets truncate, all
     # others here round to nearest; the likely one is tried first.
     roundings = ("zero", "nearest") if software_device(data["device"]) == "Mesa" else ("nearest", "zero")
@@ -121,12 +121,12 @@ def _shot(folder: Path, data: dict, shot: dict) -> Shot:
     return min(attempts, key=lambda attempt: (attempt.comparison.outside, -attempt.comparison.close))
 
 
-def _of_buffer(item: Pass, kind: int, near: float, far: float) -> Pass:
+def _of_buffer(render_pass: Pass, kind: int, near: float, far: float) -> Pass:
     """Return a pass with the parameters that describe the depth buffer, if it reads that."""
-    if item.entry != plan.SIGNED_MAP:
-        return item
-    told = {"BokehDepthKind": float(kind), "BokehNear": near, "BokehFar": far}
-    return replace(item, parameters={**item.parameters, **told})
+    if render_pass.entry != plan.SIGNED_MAP:
+        return render_pass
+    buffer_parameters = {"BokehDepthKind": float(kind), "BokehNear": near, "BokehFar": far}
+    return replace(render_pass, parameters={**render_pass.parameters, **buffer_parameters})
 
 
 def _compared(
@@ -139,18 +139,22 @@ def _compared(
     rounding: str,
 ) -> Shot:
     # layered is compared pass by pass, from the device's own inputs
-    given = outputs if case.settings.method == "layered" else None
-    reference = pass_images.images(passes, textures, case.size, "half", precision, rounding, given=given)
+    device_targets = outputs if case.settings.method == "layered" else None
+    reference = pass_images.images(passes, textures, case.size, "half", precision, rounding, given=device_targets)
     # only the interval applies: in a scene with hard edges more comparisons are open than the bounds in steps allow
     comparisons = {key: metrics.compare(pixels, reference[key], False) for key, pixels in outputs.items()}
     outside = {key: comparison.outside for key, comparison in comparisons.items() if comparison.outside}
-    whole = replace(comparisons["result"], outside=sum(outside.values()))
-    return Shot(name, case, outputs["result"], reference["result"], whole, outside)
+    total = replace(comparisons["result"], outside=sum(outside.values()))
+    return Shot(name, case, outputs["result"], reference["result"], total, outside)
 
 
 def _written(path: Path, case: Case) -> dict[str, np.ndarray]:
     """Read name -> pixels of all targets of a layered shot. Raises Broken."""
-    shapes = {k: (*target_size(item.scale, case.size)[::-1], 4) for item in case.plan.passes for k in item.outputs}
+    shapes = {
+        target: (*target_size(render_pass.scale, case.size)[::-1], 4)
+        for render_pass in case.plan.passes
+        for target in render_pass.outputs
+    }
     ends = np.cumsum([prod(shape) for shape in shapes.values()])
     pieces = np.split(_pixels(path, np.float16, (ends[-1],)), ends[:-1])
     return {name: piece.reshape(shape) for (name, shape), piece in zip(shapes.items(), pieces, strict=True)}

@@ -32,11 +32,13 @@ def build(
     # downloads go to the user's Cargo folder if there is one; everything else goes to the cache folder
     downloads = Path(os.environ.get("CARGO_HOME") or Path.home() / ".cargo")
     downloads = downloads if downloads.is_dir() else paths.ensured(_home(name) / "cargo")
-    own = {"CARGO_TARGET_DIR": str(_home(name) / "target"), "CARGO_HOME": str(downloads)}
+    variables = {"CARGO_TARGET_DIR": str(_home(name) / "target"), "CARGO_HOME": str(downloads)}
     # the same settings for every build, so that dependencies are built once
-    own |= {"CARGO_PROFILE_DEV_DEBUG": "0", "CARGO_INCREMENTAL": "0", "CARGO_TERM_COLOR": "never"}
-    cargo, chosen = _cargo()
-    return process.run([*cargo, command, "--quiet", *arguments], BUILD_S, project, {**own, **chosen, **(extra or {})})
+    variables |= {"CARGO_PROFILE_DEV_DEBUG": "0", "CARGO_INCREMENTAL": "0", "CARGO_TERM_COLOR": "never"}
+    cargo, toolchain = _cargo()
+    return process.run(
+        [*cargo, command, "--quiet", *arguments], BUILD_S, project, {**variables, **toolchain, **(extra or {})}
+    )
 
 
 def program(name: str, example: str) -> Path:

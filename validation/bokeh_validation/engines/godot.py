@@ -78,12 +78,12 @@ def classes(files: dict[str, bytes]) -> bytes:
     """
     rows = []
     for name, content in files.items():
-        found = (
+        match = (
             re.search(rb"^class_name (\w+)\nextends (\w+)$", content, re.MULTILINE) if name.endswith(".gd") else None
         )
-        if found:
+        if match:
             rows.append(
-                f'{{"base": &"{found[2].decode()}", "class": &"{found[1].decode()}", "icon": "", "is_abstract": false, '
+                f'{{"base": &"{match[2].decode()}", "class": &"{match[1].decode()}", "icon": "", "is_abstract": false, '
                 f'"is_tool": true, "language": &"GDScript", "path": "res://{name}"}}'
             )
     return f"list=[{', '.join(rows)}]\n".encode()

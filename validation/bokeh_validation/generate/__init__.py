@@ -91,9 +91,10 @@ def rendered() -> Iterator[tuple[str, str]]:
             yield f"integration/{name.removesuffix('.jinja')}", ENVIRONMENT.get_template(name).render(context())
     yield "docs/reference/passes.md", _between("<!-- ", FRAME, passes_page(), " -->")
     yield "docs/start.md", _between("<!-- ", FRAME, choices(), " -->")
-    for page, named in results.tables().items():
+    for page, page_tables in results.tables().items():
         regions = [
-            _between("<!-- ", f"docs/data, {name}", results.markdown(rows), " -->") for name, rows in named.items()
+            _between("<!-- ", f"docs/data, {name}", results.markdown(rows), " -->")
+            for name, rows in page_tables.items()
         ]
         yield f"docs/{page}", "".join(regions)
     yield "docs/reference/parameters.md", _between("<!-- ", PARAMETER_LIST, parameter_table(), " -->")
@@ -156,10 +157,10 @@ def replaced(path: str, text: str, regions: str) -> str:
     """
     for region in REGION.finditer(regions):
         begin, end = (f"{region[1]}{word}" for word in ("begin", "end"))
-        found = [old for old in REGION.finditer(text) if old[1] == region[1]]
-        if len(found) != 1 or text.count(begin) != 1 or text.count(end) != 1:
+        same_region = [candidate for candidate in REGION.finditer(text) if candidate[1] == region[1]]
+        if len(same_region) != 1 or text.count(begin) != 1 or text.count(end) != 1:
             raise UserError(f"{path}: its markers '{begin}' and '{end}' are not there once each. Restore them.")
-        text = text[: found[0].start()] + region[0] + text[found[0].end() :]
+        text = text[: same_region[0].start()] + region[0] + text[same_region[0].end() :]
     return text
 
 
@@ -189,7 +190,7 @@ def web_shaders() -> str:
         texts = {stem: shaders.file_text(language, stem) for stem in paths.STEMS}
         # a class needs only the noise function of the ready-made programs
         programs = texts.pop("bokeh_passes")
-        functions = {found["name"]: found[0] for found in shaders.FUNCTION.finditer(programs)}
+        functions = {match["name"]: match[0] for match in shaders.FUNCTION.finditer(programs)}
         texts["noise"] = functions["BokehNoise"]
         lines += ["", f"export const {language.upper()} = {{"]
         for name, text in texts.items():

@@ -33,18 +33,18 @@ class Step(NamedTuple):
 @cache
 def _numbered() -> dict[tuple[str, tuple[str, ...]], Version]:
     """Return (call, returned) -> variant, for all passes after the CoC map; equal calls share a program."""
-    found: dict[tuple[str, tuple[str, ...]], Version] = {}
+    versions_by_key: dict[tuple[str, tuple[str, ...]], Version] = {}
     for method in METHODS:
         for aperture in samples.polygons(method):
             for row in samples.after_map(method, aperture, memory="texture_"):
                 key = (_slotted(row), row.returned)
-                if key not in found:
+                if key not in versions_by_key:
                     function = re.match(r"Bokeh(\w+)\(", row.call)[1]
                     name = re.sub(r"(?<=[a-z])(?=[A-Z])", "_", function).lower()
-                    count = sum(re.sub(r"_\d+$", "", version.name) == name for version in found.values())
+                    count = sum(re.sub(r"_\d+$", "", version.name) == name for version in versions_by_key.values())
                     slots = tuple(i for i, texture in enumerate(row.reads) if texture != "-")
-                    found[key] = Version(name + (f"_{count + 1}" if count else ""), slots, *key)
-    return found
+                    versions_by_key[key] = Version(name + (f"_{count + 1}" if count else ""), slots, *key)
+    return versions_by_key
 
 
 def versions() -> list[Version]:

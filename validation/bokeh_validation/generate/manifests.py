@@ -75,10 +75,10 @@ def _json(name: str, after: str, values: dict[str, object]) -> str:
     for key in values:
         text = re.sub(rf'^{indent}"{key}": .*,\n', "", text, flags=re.MULTILINE)
     lines = "".join(f"{indent}{json.dumps(key)}: {json.dumps(value)},\n" for key, value in values.items())
-    return re.sub(rf'^({indent}"{after}": .*,\n)', lambda found: found[1] + lines, text, count=1, flags=re.MULTILINE)
+    return re.sub(rf'^({indent}"{after}": .*,\n)', lambda match: match[1] + lines, text, count=1, flags=re.MULTILINE)
 
 
 def _line(name: str, after: str, old: str, line: str) -> str:
     """Return the text of a manifest with a line after another one; an earlier one that matches `old` is removed."""
     text = re.sub(rf"{old}\n", "", _text(name), flags=re.MULTILINE)
-    return re.sub(after, lambda found: f"{found[0]}\n{line}", text, count=1, flags=re.MULTILINE)
+    return re.sub(after, lambda match: f"{match[0]}\n{line}", text, count=1, flags=re.MULTILINE)

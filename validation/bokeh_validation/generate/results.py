@@ -30,11 +30,11 @@ def data(name: str) -> dict:
 
 def ray_traced() -> dict[str, dict[str, dict]]:
     """Return method or effect -> scene -> its row in truth.json or peers.json, this package's methods first."""
-    found: dict[str, dict[str, dict]] = {}
+    rows: dict[str, dict[str, dict]] = {}
     for name in ("truth", "peers"):
         for row in data(name)["rows"]:
-            found.setdefault(row["label"], {})[row["scene"]] = row
-    return found
+            rows.setdefault(row["label"], {})[row["scene"]] = row
+    return rows
 
 
 def flip_means() -> dict[str, float]:
@@ -50,10 +50,12 @@ def tables() -> dict[str, dict[str, Table]]:
         measured[f"ray-traced scenes, {name}"] = [["method", *SCENES], *rows]
     one_light = [[label, *text.split("/")] for label, text in data("peers")["one light"].items()]
     measured["one light"] = [["method", "overlap", "light kept"], *one_light]
-    for place, name in enumerate(("overlap", "ripple", "light kept")):
-        rows = [[light, *(f"{one[place]:.2f}" for one in cases)] for light, cases in lights_apart.RECORDED.items()]
+    for index, name in enumerate(("overlap", "ripple", "light kept")):
+        rows = [
+            [light, *(f"{measures[index]:.2f}" for measures in cases)] for light, cases in lights_apart.RECORDED.items()
+        ]
         measured[f"lights apart, {name}"] = [["light", *lights_apart.METHODS], *rows]
-    pages = {page: dict(named) for page, named in data("printed")["tables"].items()}
+    pages = {page: dict(page_tables) for page, page_tables in data("printed")["tables"].items()}
     pages["results-data.md"] = measured | pages["results-data.md"]
     flips = [[*row, f"{flip_means()[row[0]]:.4f}"] for row in measured["ray-traced scenes, FLIP"][1:]]
     flips.sort(key=lambda row: float(row[-1]))

@@ -92,7 +92,8 @@ def frame(
         names |= {name: f"{memory}{number}" for name, number in numbers.items() if number is not None}
     steps = [step for step in planned["passes"] if step["entry"] != plan.LINEAR_DEPTH.entry]
     return [
-        _row(step, item, names, numbers) for step, item in zip(steps, methods.plan(settings, SIZE).passes, strict=True)
+        _row(step, render_pass, names, numbers)
+        for step, render_pass in zip(steps, methods.plan(settings, SIZE).passes, strict=True)
     ]
 
 
@@ -106,24 +107,24 @@ def targets(rows: list[Row]) -> dict[str, int]:
     return {name: row.scale for row in rows for name in row.writes}
 
 
-def _row(step: dict, item: Pass, names: dict[str, str], memory: dict[str, int]) -> Row:
+def _row(step: dict, render_pass: Pass, names: dict[str, str], memory: dict[str, int]) -> Row:
     sets = {name.removeprefix("Bokeh"): value for name, value in step["changes"].items() if name != LEFT_OUT}
-    if item.entry in SIDED:
-        sets["Sides"] = item.values()["BokehSides"]
+    if render_pass.entry in SIDED:
+        sets["Sides"] = render_pass.values()["BokehSides"]
     if "Angle" in sets:
         sets["Angle"] = round(degrees(sets["Angle"]), 6)
-    last = max(COLORS.index(slot) for slot in item.inputs if slot in COLORS)
+    last_slot = max(COLORS.index(slot) for slot in render_pass.inputs if slot in COLORS)
     return Row(
-        entry=item.entry,
+        entry=render_pass.entry,
         define=step["define"].removeprefix("BOKEH_"),
-        reads=tuple(names.get(item.inputs.get(slot), "-") for slot in COLORS[: last + 1]),
-        writes=tuple(names[name] for name in item.outputs),
-        memory=tuple(memory[name] for name in item.outputs),
-        scale=item.scale,
+        reads=tuple(names.get(render_pass.inputs.get(slot), "-") for slot in COLORS[: last_slot + 1]),
+        writes=tuple(names[name] for name in render_pass.outputs),
+        memory=tuple(memory[name] for name in render_pass.outputs),
+        scale=render_pass.scale,
         linear=step["sampler"],
         sets=sets,
-        call=call(item, names),
-        returned=returned(item) if len(item.outputs) > 1 else (),
+        call=call(render_pass, names),
+        returned=returned(render_pass) if len(render_pass.outputs) > 1 else (),
     )
 
 
@@ -133,72 +134,76 @@ LOCALS = ("vec2 uv", "BokehPolygon polygon", "BokehLayerContext layers", "BokehS
 LOCALS += ("BOKEH_DEPTH_TEXTURE DepthSamp", "vec2 lineEnd")
 
 
-def call(item: Pass, names: dict[str, str]) -> str:
+def call(render_pass: Pass, names: dict[str, str]) -> str:
     """Return the GLSL call of the library's function in a pass, with a sample's names of textures, uniforms and
     locals.
 
     Every sample has the locals and uniforms uv, lens, depthKind, nearPlane, farPlane, layers, polygon, settings,
     rotation and squeeze. Raises ValueError for a parameter that no sample has an argument for.
     """
-    entry, values = item.spec, item.values()
-    textures = {slot: names[name] for slot, name in item.inputs.items()}
+    entry, values = render_pass.spec, render_pass.values()
+    textures = {slot: names[name] for slot, name in render_pass.inputs.items()}
     if entry.role == COPY:
-        given = f"depth, uv, uv, lens, {DEPTH}" if entry.name == plan.SIGNED_MAP else "metres, uv, lens"
-        return f"{entry.name}(color, {given})"
+        depth_arguments = f"depth, uv, uv, lens, {DEPTH}" if entry.name == plan.SIGNED_MAP else "metres, uv, lens"
+        return f"{entry.name}(color, {depth_arguments})"
     if entry.role == ADAPTIVE:
         angle = f"radians({degrees(values['BokehAngle']):.1f}) + rotation"
         segment = f"BokehSegment({angle}, 1.0, vec2(0.0, 0.0), squeeze)"
         line = f"BokehDepthOfFieldAdaptive({textures['ColorSamp']}, metres, uv, {segment}, settings, true)"
         other = textures.get("ColorSampB")
         return f"BokehCombine({line}, BokehFetch({other}, uv), false)" if other else line
-    function, signature = _called(item)
+    function, signature = _called(render_pass)
     arguments, sampled, slots = [], "", iter(COLORS)
     for kind, name in signature.parameters:
         if kind == "BOKEH_TEXTURE":
             # a slot without a target of this polygon gets the previous texture, which is not read
             sampled = textures.get(next(slots), sampled)
-        known = {
+        argument_of = {
             "BOKEH_TEXTURE": sampled,
             "vec2 layerCoC": f"BokehLayerCoC({names.get('layer coc')}, layers)",
             "vec2 axis": "vec2(0.0, 1.0)" if values["BokehAxis"] else "vec2(1.0, 0.0)",
             "bool": "true" if values["BokehLayer"] else "false",
-            "int": f"{_last(item)}",
+            "int": f"{_last(render_pass)}",
             **dict.fromkeys(LOCALS, name),
         }
-        argument = known.get(kind, known.get(f"{kind} {name}"))
+        argument = argument_of.get(kind, argument_of.get(f"{kind} {name}"))
         if argument is None:
             raise ValueError(f"{function}: say in samples.call() what the samples give for '{kind} {name}'")
         arguments.append(argument)
     text = f"{function}({', '.join(arguments)})"
-    members = returned(item)[1:] if len(item.outputs) == 1 else ()
-    return f"{text}.{members[item.constants.get('BOKEH_TARGET_INDEX', 0)]}" if members else text
+    members = returned(render_pass)[1:] if len(render_pass.outputs) == 1 else ()
+    return f"{text}.{members[render_pass.constants.get('BOKEH_TARGET_INDEX', 0)]}" if members else text
 
 
-def returned(item: Pass) -> tuple[str, ...]:
+def returned(render_pass: Pass) -> tuple[str, ...]:
     """Return name and members of the struct that a pass's function returns, one member per target, or () if it returns
     none.
     """
-    _, signature = _called(item)
+    _, signature = _called(render_pass)
     members = [name for kind, name in calls.structs(shaders.text("glsl")).get(signature.kind, ()) if kind == "vec4"]
     if not members:
         return ()
-    targets = ENTRIES[item.spec.whole].targets if item.spec.whole else max(item.spec.targets, 1)
-    if item.spec.role == EDGE:
+    targets = ENTRIES[render_pass.spec.whole].targets if render_pass.spec.whole else max(render_pass.spec.targets, 1)
+    if render_pass.spec.role == EDGE:
         targets = 4
     return signature.kind, *members[:targets]
 
 
-def _called(item: Pass) -> tuple[str, calls.Signature]:
+def _called(render_pass: Pass) -> tuple[str, calls.Signature]:
     """Return the library function from which a pass's entry takes its result, and its signature."""
     signatures = calls.signatures(shaders.text("glsl"))
-    for name in calls.called_from(shaders.file_text("glsl", "bokeh_passes"), item.entry):
+    for name in calls.called_from(shaders.file_text("glsl", "bokeh_passes"), render_pass.entry):
         kind, parameters = signatures[name]
         # skip functions that only fetch a texture
         if parameters and parameters[0][0] == "BOKEH_TEXTURE" and kind != "vec2" and "Fetch" not in name:
             return name, signatures[name]
-    raise ValueError(f"{item.entry} calls no function of the library that reads its textures")
+    raise ValueError(f"{render_pass.entry} calls no function of the library that reads its textures")
 
 
-def _last(item: Pass) -> int:
+def _last(render_pass: Pass) -> int:
     """Return the argument of BokehExactFirst that names the last target needed."""
-    return item.constants["BOKEH_TARGET_INDEX"] + 2 if item.spec.role == EDGE else item.spec.sides // 2
+    return (
+        render_pass.constants["BOKEH_TARGET_INDEX"] + 2
+        if render_pass.spec.role == EDGE
+        else render_pass.spec.sides // 2
+    )

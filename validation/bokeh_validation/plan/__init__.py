@@ -79,14 +79,14 @@ def frame(settings: methods.Settings, size: tuple[int, int], viewport: tuple[int
     maximum for one texel of its targets; `fetches` of the frame is per full-size pixel.
     """
     plan = methods.plan(settings, viewport[2:] if viewport else size)
-    if any("depth" in item.inputs.values() and item.entry != SIGNED_MAP for item in plan.passes):
+    if any("depth" in render_pass.inputs.values() and render_pass.entry != SIGNED_MAP for render_pass in plan.passes):
         plan = replace(plan, passes=(LINEAR_DEPTH, *plan.passes))
     else:
-        plan = replace(plan, passes=tuple(_from_buffer(item) for item in plan.passes))
+        plan = replace(plan, passes=tuple(_from_buffer(render_pass) for render_pass in plan.passes))
     if viewport:
         plan = methods.in_viewport(plan, viewport, size)
-    unread = [_unread(item) for item in plan.passes]
-    plan = replace(plan, passes=tuple(_read(item) for item in plan.passes))
+    unread = [_unread(render_pass) for render_pass in plan.passes]
+    plan = replace(plan, passes=tuple(_read(render_pass) for render_pass in plan.passes))
     same, changes = _parameters(plan.passes)
     has_presets = settings.method == "layered" or settings.has_preset
     presets = _presets(settings.method) if has_presets else {}
@@ -105,8 +105,10 @@ def frame(settings: methods.Settings, size: tuple[int, int], viewport: tuple[int
         "programs": programs(settings),
         "vertex": VERTEX,
         "passes": [
-            {**_step(number, item, changed, size, textures), "unread": others}
-            for number, (item, changed, others) in enumerate(zip(plan.passes, changes, unread, strict=True))
+            {**_step(number, render_pass, changed, size, textures), "unread": unread_inputs}
+            for number, (render_pass, changed, unread_inputs) in enumerate(
+                zip(plan.passes, changes, unread, strict=True)
+            )
         ],
         "debug": _debug(plan.passes, size),
         "parameters": same,
@@ -127,11 +129,11 @@ def _presets(method: str) -> dict[str, dict]:
     names, presets = methods.PRESET_CONSTANTS, methods.PRESETS
     if method == "exact":
         names, presets = methods.EXACT_CONSTANTS, methods.EXACT_PRESETS
-    found = {}
+    described = {}
     for name, values in presets.items():
         constants_of = dict(zip(names, values, strict=True))
-        found[name] = {"name": name, "define": f"BOKEH_PRESET_{name.upper()}", "stands_for": constants_of}
-    return found
+        described[name] = {"name": name, "define": f"BOKEH_PRESET_{name.upper()}", "stands_for": constants_of}
+    return described
 
 
 def text(planned: dict) -> str:
@@ -144,33 +146,37 @@ def text(planned: dict) -> str:
         elif key == "notes" or (isinstance(value, list) and any(isinstance(entry, dict) for entry in value)):
             entries = [json.dumps(entry) for entry in value]
         lines = ",\n".join(f"  {entry}" for entry in entries)
-        shown = f"{brackets[0]}\n{lines}\n {brackets[1]}" if entries else json.dumps(value)
-        members.append(f" {json.dumps(key)}: {shown}")
+        formatted = f"{brackets[0]}\n{lines}\n {brackets[1]}" if entries else json.dumps(value)
+        members.append(f" {json.dumps(key)}: {formatted}")
     return "{\n" + ",\n".join(members) + "\n}\n"
 
 
-def _from_buffer(item: Pass) -> Pass:
+def _from_buffer(render_pass: Pass) -> Pass:
     """Return the pass reading the engine's depth buffer instead of metres."""
-    renamed = {slot: "depth buffer" if name == "depth" else name for slot, name in item.inputs.items()}
-    return replace(item, inputs=renamed)
+    renamed = {slot: "depth buffer" if name == "depth" else name for slot, name in render_pass.inputs.items()}
+    return replace(render_pass, inputs=renamed)
 
 
-def _read(item: Pass) -> Pass:
+def _read(render_pass: Pass) -> Pass:
     """Return the pass without inputs that its single target does not need: the GLSL program has no uniform for them."""
-    left_out = [read["slot"] for read in _unread(item)]
-    return replace(item, inputs={slot: name for slot, name in item.inputs.items() if slot not in left_out})
+    left_out = [read["slot"] for read in _unread(render_pass)]
+    return replace(
+        render_pass, inputs={slot: name for slot, name in render_pass.inputs.items() if slot not in left_out}
+    )
 
 
-def _unread(item: Pass) -> list[dict]:
+def _unread(render_pass: Pass) -> list[dict]:
     """Return the inputs that the pass's single target does not need.
 
     In WGSL the entry still declares them, since its target is chosen by an override constant.
     """
-    if item.spec.whole not in UNREAD:
+    if render_pass.spec.whole not in UNREAD:
         return []
-    slots = UNREAD[item.spec.whole][item.constants["BOKEH_TARGET_INDEX"]]
+    slots = UNREAD[render_pass.spec.whole][render_pass.constants["BOKEH_TARGET_INDEX"]]
     return [
-        {"slot": slot, "binding": BINDINGS[slot], "texture": item.inputs[slot]} for slot in slots if slot in item.inputs
+        {"slot": slot, "binding": BINDINGS[slot], "texture": render_pass.inputs[slot]}
+        for slot in slots
+        if slot in render_pass.inputs
     ]
 
 
@@ -178,11 +184,13 @@ def _debug(passes: tuple[Pass, ...], size: tuple[int, int]) -> dict | None:
     """Return the pass of the debug views, or None if the CoC map has no sign."""
     if passes[0].entry != SIGNED_MAP:
         return None
-    item = replace(DEBUG, viewport=passes[0].viewport, parameters=passes[0].parameters)
-    return _step(1, item, {}, size, [])
+    render_pass = replace(DEBUG, viewport=passes[0].viewport, parameters=passes[0].parameters)
+    return _step(1, render_pass, {}, size, [])
 
 
-def _step(number: int, item: Pass, changed: dict[str, float], size: tuple[int, int], textures: list[dict]) -> dict:
+def _step(
+    number: int, render_pass: Pass, changed: dict[str, float], size: tuple[int, int], textures: list[dict]
+) -> dict:
     """Return a pass as frame() lists it.
 
     number   index of the pass
@@ -191,68 +199,74 @@ def _step(number: int, item: Pass, changed: dict[str, float], size: tuple[int, i
     """
     return {
         "pass": number,
-        "entry": item.entry,
-        "define": shaders.glsl_pass(item.entry),
+        "entry": render_pass.entry,
+        "define": shaders.glsl_pass(render_pass.entry),
         "inputs": [
             {
                 "slot": slot,
                 "uniform": f"Bokeh{slot}",
                 "register": register,
                 "binding": BINDINGS[slot],
-                "texture": item.inputs[slot],
-                "filter": "linear" if is_linear(item.entry, slot) else "nearest",
+                "texture": render_pass.inputs[slot],
+                "filter": "linear" if is_linear(render_pass.entry, slot) else "nearest",
             }
             for register, slot in enumerate(SLOTS)
-            if slot in item.inputs
+            if slot in render_pass.inputs
         ],
-        "sampler": any(is_linear(item.entry, slot) for slot in item.inputs),
-        "targets": list(item.outputs),
-        "scale": item.scale,
-        "size": list(target_size(item.scale, size)),
-        "viewport": list(target_area(item.scale, item.viewport)) if item.viewport else None,
-        "format": FORMATS.get(item.spec.role, USUAL_FORMAT)[0],
+        "sampler": any(is_linear(render_pass.entry, slot) for slot in render_pass.inputs),
+        "targets": list(render_pass.outputs),
+        "scale": render_pass.scale,
+        "size": list(target_size(render_pass.scale, size)),
+        "viewport": list(target_area(render_pass.scale, render_pass.viewport)) if render_pass.viewport else None,
+        "format": FORMATS.get(render_pass.spec.role, USUAL_FORMAT)[0],
         "changes": changed,
-        "constants": constants(item),
-        "fetches": fetches.of_pass(item),
+        "constants": constants(render_pass),
+        "fetches": fetches.of_pass(render_pass),
         "free": [texture["name"] for texture in textures if texture["last_read"] == number],
     }
 
 
 def programs(settings: methods.Settings) -> dict[str, dict]:
     """Return language -> the files to concatenate in order, the lines before them, and the entries' names."""
-    before = {"glsl": ["#version 330", "#define BOKEH_PASS {define}"], "hlsl": ["#define BOKEH_HLSL_SM 5"], "wgsl": []}
+    first_lines = {
+        "glsl": ["#version 330", "#define BOKEH_PASS {define}"],
+        "hlsl": ["#define BOKEH_HLSL_SM 5"],
+        "wgsl": [],
+    }
     needs = {"exact": [], "layered": ["bokeh_layers"]}.get(settings.method, ["bokeh_paper"])
     if settings.lateral or settings.cats_eye or settings.roundness < 1.0 or settings.focus:
         needs = [*needs, "bokeh_lens"]
-    found = {}
-    for language, lines in before.items():
+    programs_by_language = {}
+    for language, lines in first_lines.items():
         # WGSL has no #ifdef, so its passes always need every file
-        needed = list(paths.STEMS) if language == "wgsl" else ["bokeh", *needs, "bokeh_passes"]
-        found[language] = {
-            "files": [f"{language}/{stem}.{language}" for stem in needed],
+        stems = list(paths.STEMS) if language == "wgsl" else ["bokeh", *needs, "bokeh_passes"]
+        programs_by_language[language] = {
+            "files": [f"{language}/{stem}.{language}" for stem in stems],
             "before": lines,
             "entry": "main" if language == "glsl" else "{entry}_PS",
             "vertex_entry": "main" if language == "glsl" else "BokehFullScreen_VS",
         }
-    return found
+    return programs_by_language
 
 
-def constants(item: Pass) -> dict[str, float]:
+def constants(render_pass: Pass) -> dict[str, float]:
     """Return the constants that a program is compiled with, apart from the library's defaults and those of the preset.
 
     Constants with the value 0 have their default and are left out.
     """
-    known = {name: value for name, value in item.constants.items() if name not in methods.PRESET_CONSTANTS and value}
-    counts = {name: known.pop(name, 0.0) for name in ("BOKEH_PAPER_SAMPLES", *methods.EXACT_CONSTANTS)}
+    values = {
+        name: value for name, value in render_pass.constants.items() if name not in methods.PRESET_CONSTANTS and value
+    }
+    counts = {name: values.pop(name, 0.0) for name in ("BOKEH_PAPER_SAMPLES", *methods.EXACT_CONSTANTS)}
     paper, samples, spacing = counts.values()
-    if item.spec.layers or item.spec.role in (COPY, DEPTH, LATERAL, STEADY, VIEW):
-        return known
+    if render_pass.spec.layers or render_pass.spec.role in (COPY, DEPTH, LATERAL, STEADY, VIEW):
+        return values
     if paper:
-        return known if paper == methods.PAPER_SAMPLES else {"BOKEH_PAPER_SAMPLES": paper, **known}
-    if "BOKEH_SPACING" in item.defines:
+        return values if paper == methods.PAPER_SAMPLES else {"BOKEH_PAPER_SAMPLES": paper, **values}
+    if "BOKEH_SPACING" in render_pass.defines:
         # the preset's define sets both counts
-        return known
-    return {"BOKEH_NUM_SAMPLES": samples, "BOKEH_SPACING": spacing, **known}
+        return values
+    return {"BOKEH_NUM_SAMPLES": samples, "BOKEH_SPACING": spacing, **values}
 
 
 def _parameters(passes: tuple[Pass, ...]) -> tuple[dict[str, float], list[dict[str, float]]]:
@@ -261,14 +275,17 @@ def _parameters(passes: tuple[Pass, ...]) -> tuple[dict[str, float], list[dict[s
     The passes that make the CoC map and metres read only the camera's parameters, so the others are no difference
     there.
     """
-    filters = [item for item in passes if item.entry not in (LINEAR_DEPTH.entry, *COPYING_ENTRIES)]
-    differ = {name for name in PARAMETERS if len({item.values()[name] for item in filters}) > 1}
+    filters = [render_pass for render_pass in passes if render_pass.entry not in (LINEAR_DEPTH.entry, *COPYING_ENTRIES)]
+    differ = {name for name in PARAMETERS if len({render_pass.values()[name] for render_pass in filters}) > 1}
     same = dict(PARAMETERS)
-    for item in passes:
-        same |= {name: value for name, value in item.parameters.items() if name not in differ}
+    for render_pass in passes:
+        same |= {name: value for name, value in render_pass.parameters.items() if name not in differ}
     # an entry that is drawn twice lists what differs each time, default values included
-    told = {(item.entry, name) for item in passes for name in item.parameters}
-    changes = [{n: v for n, v in item.values().items() if n in differ and (item.entry, n) in told} for item in passes]
+    listed = {(render_pass.entry, name) for render_pass in passes for name in render_pass.parameters}
+    changes = [
+        {n: v for n, v in render_pass.values().items() if n in differ and (render_pass.entry, n) in listed}
+        for render_pass in passes
+    ]
     return same, changes
 
 
@@ -277,32 +294,39 @@ def _textures(plan: methods.Plan, size: tuple[int, int]) -> list[dict]:
     supplies.
     """
     textures: dict[str, dict] = {}
-    for number, item in enumerate(plan.passes):
-        for name in item.inputs.values():
-            full = plan.tables[name].shape[1::-1] if name in plan.tables else size
-            given = {"name": name, "written": None, "size": list(full), "format": None, "bytes": None, "read": []}
-            textures.setdefault(name, given)["read"].append(number)
-        wide, high = target_size(item.scale, size)
-        kind, texel = FORMATS.get(item.spec.role, USUAL_FORMAT)
-        for name in item.outputs:
-            place = {"size": [wide, high], "format": kind, "bytes": texel * wide * high}
-            textures[name] = {"name": name, "written": number, **place, "read": []}
+    for number, render_pass in enumerate(plan.passes):
+        for name in render_pass.inputs.values():
+            texture_size = plan.tables[name].shape[1::-1] if name in plan.tables else size
+            unwritten = {
+                "name": name,
+                "written": None,
+                "size": list(texture_size),
+                "format": None,
+                "bytes": None,
+                "read": [],
+            }
+            textures.setdefault(name, unwritten)["read"].append(number)
+        wide, high = target_size(render_pass.scale, size)
+        target_format, texel_bytes = FORMATS.get(render_pass.spec.role, USUAL_FORMAT)
+        for name in render_pass.outputs:
+            layout = {"size": [wide, high], "format": target_format, "bytes": texel_bytes * wide * high}
+            textures[name] = {"name": name, "written": number, **layout, "read": []}
     # a target reuses the memory of one of the same size and format that is no longer read
-    taken: list[dict] = []
+    last_in_memory: list[dict] = []
     for name, texture in textures.items():
         texture["last_read"] = None if name == plan.result else texture["read"][-1]
         texture["memory"] = None
         if texture["written"] is not None:
-            free = (number for number, other in enumerate(taken) if _is_free(other, texture))
-            texture["memory"] = number = next(free, len(taken))
-            taken[number : number + 1] = [texture]
+            free = (number for number, other in enumerate(last_in_memory) if _is_free(other, texture))
+            texture["memory"] = number = next(free, len(last_in_memory))
+            last_in_memory[number : number + 1] = [texture]
     return list(textures.values())
 
 
 def _is_free(other: dict, texture: dict) -> bool:
     """Return whether a texture may reuse the memory of another; never that of the result."""
-    alike = (other["size"], other["format"]) == (texture["size"], texture["format"])
-    return alike and other["last_read"] is not None and other["last_read"] < texture["written"]
+    fits = (other["size"], other["format"]) == (texture["size"], texture["format"])
+    return fits and other["last_read"] is not None and other["last_read"] < texture["written"]
 
 
 @options.with_settings
@@ -315,8 +339,8 @@ def plan(
     sets: options.Sets = None,
 ) -> None:
     """Print every pass of a method in order, as JSON: entry, inputs, targets, sizes, formats, filters, parameters."""
-    whole = terminal.parsed_size(size, LEAST_SIDE, MOST_SIDE)
-    planned = frame(settings, whole, _viewport(viewport, whole) if viewport else None)
+    full_size = terminal.parsed_size(size, LEAST_SIDE, MOST_SIDE)
+    planned = frame(settings, full_size, _viewport(viewport, full_size) if viewport else None)
     for name, value in options.parsed_sets(sets).items():
         if any(name in step["changes"] for step in planned["passes"]):
             raise UserError(f"--set {name}: differs from pass to pass. Give the option that it follows from.")

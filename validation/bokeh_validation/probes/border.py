@@ -30,20 +30,20 @@ def _case(label: str, guard: int, column: int) -> Case:
 
 
 def _judge(outputs: Mapping[str, Outputs]) -> list[Check]:
-    shown = {
+    pixels = {
         label: outputs[label]["result"][guard : guard + SIZE[1], guard : guard + SIZE[0], 1]
         for label, guard in (("in the middle", 0), ("without", 0), ("with", GUARD))
     }
     # what the light in the middle shows to the right of its first column
-    half = shown["in the middle"][:, SIZE[0] // 2 :]
-    peak, light = half.max(), half.sum()
+    right_half = pixels["in the middle"][:, SIZE[0] // 2 :]
+    peak, light = right_half.max(), right_half.sum()
     repeated = "the light's columns count again for each one that is read beyond the border"
-    whole = "beyond the border is what there is: the same light, moved by whole pixels"
+    same_light = "beyond the border is what there is: the same light, moved by whole pixels"
     return [
-        Check("peak at the border (of that in the middle)", shown["without"].max() / peak, 2.0, 8.0, repeated),
-        Check("light at the border", shown["without"].sum() / light, 1.2, 4.0, repeated),
-        Check("peak with a guard band", shown["with"].max() / peak, 1.0 - STEPS, 1.0 + STEPS, whole),
-        Check("light with a guard band", shown["with"].sum() / light, 1.0 - STEPS, 1.0 + STEPS, whole),
+        Check("peak at the border (of that in the middle)", pixels["without"].max() / peak, 2.0, 8.0, repeated),
+        Check("light at the border", pixels["without"].sum() / light, 1.2, 4.0, repeated),
+        Check("peak with a guard band", pixels["with"].max() / peak, 1.0 - STEPS, 1.0 + STEPS, same_light),
+        Check("light with a guard band", pixels["with"].sum() / light, 1.0 - STEPS, 1.0 + STEPS, same_light),
     ]
 
 

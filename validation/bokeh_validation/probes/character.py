@@ -38,9 +38,9 @@ DRIFT = 0.5 * CATS_EYE * COC * (0.25 * COC) / (0.5 * np.hypot(*SIZE))
 
 def rim(x: float, y: float, polygon: np.ndarray) -> np.ndarray:
     """Return the offset of each rim from the middle of the aperture at a position in the image, pixels, (2,)."""
-    place = (2.0 * np.array([x, y]) - SIZE) / np.hypot(*SIZE)
+    from_middle = (2.0 * np.array([x, y]) - SIZE) / np.hypot(*SIZE)
     apothem = np.linalg.norm(polygon + np.roll(polygon, 1, axis=0), axis=1).min() / 2
-    return CATS_EYE * apothem * place
+    return CATS_EYE * apothem * from_middle
 
 
 def cut(aperture: str, x: float, y: float) -> Bokeh:
@@ -73,18 +73,21 @@ def cut_share(aperture: str) -> np.ndarray:
 
 def _judge_cut(outputs: dict[str, Outputs]) -> list[Check]:
     """Check light and shape of the bokeh, whose outline is known to half a pixel plus DRIFT."""
-    checks, off = [], 0.5 + DRIFT
-    why = f"outline known to {off:.2f} pixels: half a pixel, and the first pass has the polygons of other pixels"
+    checks, outline_error = [], 0.5 + DRIFT
+    why = (
+        f"outline known to {outline_error:.2f} pixels: half a pixel, and the first pass has the polygons of other "
+        "pixels"
+    )
     for aperture, textures in outputs.items():
         share, plain = cut_share(aperture), whole(aperture)
         shape, value = cut(aperture, *plain.middle), (textures["result"][..., 1] - AMBIENT) / PEAK
-        edge, least = shape.edge(off) / shape.area / 4, shape.least_overlap(off)
+        edge, overlap_bound = shape.edge(outline_error) / shape.area / 4, shape.least_overlap(outline_error)
         uncut = overlap(share, plain.coverage / plain.area)
-        kept = value.sum() / share.sum()
+        light_kept = value.sum() / share.sum()
         checks += [
-            Check(f"light, in units of the lens's, {aperture}", kept, 1 - edge, 1 + edge, why),
-            Check(f"overlap with the cut polygon, {aperture}", overlap(value, share), least, 1.0, why),
-            Check(f"the whole polygon overlaps less, {aperture}", uncut, 0.0, least, "it shows"),
+            Check(f"light, in units of the lens's, {aperture}", light_kept, 1 - edge, 1 + edge, why),
+            Check(f"overlap with the cut polygon, {aperture}", overlap(value, share), overlap_bound, 1.0, why),
+            Check(f"the whole polygon overlaps less, {aperture}", uncut, 0.0, overlap_bound, "it shows"),
         ]
     return checks
 
@@ -117,11 +120,11 @@ def _color_checks(label: str, share: np.ndarray, bokeh: Bokeh, off: float) -> li
     light = share - np.median(share)
     moved = np.linalg.norm(np.array([(light * x).sum(), (light * y).sum()]) / light.sum() - bokeh.middle)
     slip = HALF_LIGHT * np.linalg.norm(bokeh.corners, axis=1).max()
-    seen, outline = overlap(share * bokeh.area, bokeh.coverage), f"known to {off} pixels"
+    overlap_with_polygon, outline = overlap(share * bokeh.area, bokeh.coverage), f"known to {off} pixels"
     return [
         Check(f"light, {label}", share.sum(), 1 - HALF_LIGHT, 1 + HALF_LIGHT, ROUNDED),
         Check(f"middle off by, {label} (pixels)", moved, 0.0, slip, "HALF_LIGHT of the light, at a corner"),
-        Check(f"overlap with its polygon, {label}", seen, bokeh.least_overlap(off), 1.0, outline),
+        Check(f"overlap with its polygon, {label}", overlap_with_polygon, bokeh.least_overlap(off), 1.0, outline),
     ]
 
 
@@ -138,8 +141,8 @@ def _judge_lateral(outputs: dict[str, Outputs]) -> list[Check]:
             bokeh = Bokeh(polygon_of("hexagon", ROTATION, COC * scale), SIZE, tuple(middle))
             checks += _color_checks(name, share, bokeh, 0.5 + 0.5 * (scale != 1.0))
             if scale != 1.0:
-                unmoved, least = overlap(share * plain.area, plain.coverage), checks[-1].low
-                checks.append(Check(f"green's place overlaps less, {name}", unmoved, 0.0, least, "it shows"))
+                unmoved, overlap_bound = overlap(share * plain.area, plain.coverage), checks[-1].low
+                checks.append(Check(f"green's place overlaps less, {name}", unmoved, 0.0, overlap_bound, "it shows"))
     return checks
 
 

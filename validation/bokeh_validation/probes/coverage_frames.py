@@ -60,9 +60,9 @@ def in_part(frame: Frame) -> Frame:
     """Return the frame with its image inside larger textures of NaN; a kernel remains a table."""
 
     def framed(image: np.ndarray) -> np.ndarray:
-        whole = np.full((TEXTURES[1], TEXTURES[0], *image.shape[2:]), np.nan, image.dtype)
-        whole[CORNER[1] : CORNER[1] + image.shape[0], CORNER[0] : CORNER[0] + image.shape[1]] = image
-        return whole
+        canvas = np.full((TEXTURES[1], TEXTURES[0], *image.shape[2:]), np.nan, image.dtype)
+        canvas[CORNER[1] : CORNER[1] + image.shape[0], CORNER[0] : CORNER[0] + image.shape[1]] = image
+        return canvas
 
     area = (*CORNER, *frame.size)
     plan = methods.in_viewport(methods.Plan(frame.passes, {}), area, TEXTURES)
@@ -95,11 +95,11 @@ def _inputs() -> Iterator[tuple[str, Frame]]:
         maps = [Pass(entry, read, entry, camera.parameters()) for entry in ("BokehCoCMap", "BokehSignedCoCMap")]
         yield f"map, {label}", Frame(tuple(maps), textures, size)
     # a debug view with a CoC above its BokehMaxCoC, and one at half of the value that replaces a BokehMaxCoC of 0
-    for label, largest, most in (("lens", 0.25, 0.125), ("pinhole", 2.0**-21, 0.0)):
+    for label, largest, max_coc in (("lens", 0.25, 0.125), ("pinhole", 2.0**-21, 0.0)):
         camera = replace(LENS, max_coc=largest).parameters()
         passes = [Pass("BokehSignedCoCMap", read, "coc", camera)]
         for mode in range(4):
-            parameters = {**camera, "BokehMaxCoC": most, "BokehDebugMode": float(mode)}
+            parameters = {**camera, "BokehMaxCoC": max_coc, "BokehDebugMode": float(mode)}
             passes.append(Pass("BokehDebug", {**read, "ColorSamp": "coc"}, f"view {mode}", parameters))
         views = Frame(tuple(passes), textures, size, "float")
         yield f"views, {label}", views
@@ -109,15 +109,15 @@ def _inputs() -> Iterator[tuple[str, Frame]]:
         metres = np.geomspace(0.11, 190.0, 40).reshape(4, 10)
         stored = np.concatenate([listings.stored_depth(metres, kind, 0.1, 200.0), np.resize(HOSTILE_DEPTH, (2, 10))])
         parameters = {"BokehDepthKind": float(kind), "BokehNear": 0.1, "BokehFar": 200.0}
-        item = Pass("BokehLinearDepth", {"DepthSamp": "depth"}, "metres", parameters)
-        frame = Frame((item,), {"depth": stored.astype(np.float32)}, (10, 6), "float")
+        render_pass = Pass("BokehLinearDepth", {"DepthSamp": "depth"}, "metres", parameters)
+        frame = Frame((render_pass,), {"depth": stored.astype(np.float32)}, (10, 6), "float")
         yield f"depth, {name}", frame
     yield "depth, part", in_part(frame)
     # the image covers a part of the depth buffer, with different fractions of its width and height
-    place = {"BokehDepthX": 0.5, "BokehDepthY": 0.25, "BokehDepthWidth": 0.5, "BokehDepthHeight": 0.25}
-    item = Pass("BokehSignedCoCMap", read, "coc", LENS.parameters() | FOCUS.parameters() | place)
-    whole = np.geomspace(3.0, 7.0, 4 * 2 * textures["depth"].size).reshape(4 * size[1], -1).astype(np.float32)
-    yield "map, depth in a part", Frame((item,), {**textures, "depth": whole}, size)
+    rectangle = {"BokehDepthX": 0.5, "BokehDepthY": 0.25, "BokehDepthWidth": 0.5, "BokehDepthHeight": 0.25}
+    render_pass = Pass("BokehSignedCoCMap", read, "coc", LENS.parameters() | FOCUS.parameters() | rectangle)
+    depth_buffer = np.geomspace(3.0, 7.0, 4 * 2 * textures["depth"].size).reshape(4 * size[1], -1).astype(np.float32)
+    yield "map, depth in a part", Frame((render_pass,), {**textures, "depth": depth_buffer}, size)
 
 
 def _steady() -> Iterator[tuple[str, Frame]]:
@@ -162,7 +162,9 @@ def _layers() -> Iterator[tuple[str, Frame]]:
     yield "black and bright", frame
     # random offsets along a layer's edge show, and a BokehSides that nobody has set means a hexagon
     frame = of_settings(replace(LAYERED, preset="low", use_mrt=False, **WIDEST), (75, 50))
-    passes = (replace(item, parameters={**item.parameters, "BokehSides": 0.0}) for item in frame.passes)
+    passes = (
+        replace(render_pass, parameters={**render_pass.parameters, "BokehSides": 0.0}) for render_pass in frame.passes
+    )
     yield "layered, sides unset, one target", replace(frame, passes=tuple(passes))
     # a CoC of 98 pixels spreads over 12 tiles; the quarter layer is read, whose size is not exactly half of the
     # layer's
@@ -245,5 +247,6 @@ def _values() -> Iterator[tuple[str, Frame]]:
         main = f"{DECLARED} float values[] = float[]({listed}); float value = values[int(gl_FragCoord.x)];"
         main += " BokehResult = vec4(value, value, value, value);"
         expected = np.repeat([[[value] for value in values.values()]], 4, axis=2)
-        item = Pass("BokehSignedCoCMap", read, "result", {"BokehSides": 12.0}, defines=defines)
-        yield label, Frame((item,), textures, (len(values), 1), "float", expected={"result": expected}, main=main)
+        render_pass = Pass("BokehSignedCoCMap", read, "result", {"BokehSides": 12.0}, defines=defines)
+        size = len(values), 1
+        yield label, Frame((render_pass,), textures, size, "float", expected={"result": expected}, main=main)

@@ -42,25 +42,25 @@ def _judge(aperture: str, outputs: dict[str, Outputs]) -> list[Check]:
     margin = BLOCK / 2 * np.sqrt(2.0) + 2.0
     apothem = COC / 2 * np.cos(np.pi / methods.EXACT[aperture])
     inner = geometry.coverage(shape.corners * (1 - margin / apothem), SIZE, shape.middle) == 1
-    off = np.abs(wide[inner] / (BLOCK_LEVEL * BLOCK**2 / shape.area) - 1).max()
+    unevenness = np.abs(wide[inner] / (BLOCK_LEVEL * BLOCK**2 / shape.area) - 1).max()
     return [
         *shape.checks("one pixel", point / PEAK, HALF_LIGHT, OVERLAP[aperture]),
-        Check("wide highlight off from flat by", off, 0.0, FLATNESS, "no seam: asked for"),
+        Check("wide highlight off from flat by", unevenness, 0.0, FLATNESS, "no seam: asked for"),
     ]
 
 
 def probe(aperture: str) -> Probe:
     """Return the probe of one polygon: a single bright pixel, and a bright square of BLOCK pixels."""
-    image, chosen = flat(SIZE, AMBIENT), settings(aperture)
+    image, probe_settings = flat(SIZE, AMBIENT), settings(aperture)
     image[block(CENTER, BLOCK)][..., :3] += BLOCK_LEVEL
-    wide = Case("wide highlight", chosen, image, depth_of(SIZE, 10.0))
+    wide = Case("wide highlight", probe_settings, image, depth_of(SIZE, 10.0))
     title = f"One bright pixel becomes a {aperture} of the same light"
     shows = f"A {aperture} of CoC {COC} pixels, of the right brightness, and flat without a seam."
     return Probe(
         f"exact-{aperture}",
         title,
         shows,
-        (bokeh(aperture).case("one pixel", chosen), wide),
+        (bokeh(aperture).case("one pixel", probe_settings), wide),
         partial(_judge, aperture),
         aperture not in ("octagon", "decagon"),
     )

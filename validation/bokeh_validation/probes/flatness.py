@@ -23,8 +23,8 @@ def flat_case(aperture: str, coc: int, preset: str = "medium") -> Case:
     color = flat((side, side))
     color[..., :3] = 0.01, 0.01, AMBIENT
     color[block(((side - 1) // 2, (side - 1) // 2), PIXELS)][..., :3] = 0.0, 0.0, LIGHT + AMBIENT
-    chosen = settings(aperture, preset=preset)
-    return Case(f"{aperture} of {coc} pixels", chosen, color, depth_of((side, side), metres(coc, side)))
+    case_settings = settings(aperture, preset=preset)
+    return Case(f"{aperture} of {coc} pixels", case_settings, color, depth_of((side, side), metres(coc, side)))
 
 
 def measured(case: Case, coc: int, picture: np.ndarray) -> tuple[float, float]:
@@ -43,11 +43,11 @@ def measured(case: Case, coc: int, picture: np.ndarray) -> tuple[float, float]:
 
 def checks(case: Case, coc: int, picture: np.ndarray) -> list[Check]:
     """Return the checks of a result (H, W, >= 3) of flat_case()."""
-    ripple, alike = measured(case, coc, picture)
-    most = next(most for largest, most in MOST_RIPPLE.items() if coc <= largest)
+    ripple, overlap_with_polygon = measured(case, coc, picture)
+    ripple_bound = next(ripple_bound for largest, ripple_bound in MOST_RIPPLE.items() if coc <= largest)
     return [
-        Check(f"ripple, {case.label}", ripple, 0.0, most, WHY),
-        Check(f"overlap with the polygon, {case.label}", alike, LEAST_OVERLAP, 1.0, WHY),
+        Check(f"ripple, {case.label}", ripple, 0.0, ripple_bound, WHY),
+        Check(f"overlap with the polygon, {case.label}", overlap_with_polygon, LEAST_OVERLAP, 1.0, WHY),
     ]
 
 

@@ -30,7 +30,7 @@ def polygon_of(aperture: str, rotation: float, coc: float) -> np.ndarray:
 
 def block(middle: tuple[int, int], side: int) -> tuple[slice, slice]:
     """Return the rows and columns of a square around a pixel (column, row); `side` is an odd number of pixels."""
-    rows, columns = (slice(place - side // 2, place + side // 2 + 1) for place in middle[::-1])
+    rows, columns = (slice(index - side // 2, index + side // 2 + 1) for index in middle[::-1])
     return rows, columns
 
 
@@ -80,8 +80,14 @@ class Bokeh:
 
     def checks(self, label: str, share: np.ndarray, light_off: float, overlap_least: float) -> list[Check]:
         """Return checks of light and overlap; share (H, W) is the fraction of the light at each pixel."""
-        seen = overlap(share * self.area, self.coverage)
+        overlap_with_polygon = overlap(share * self.area, self.coverage)
         return [
             Check(f"light kept, {label}", share.sum(), 1 - light_off, 1 + light_off, ROUNDED),
-            Check(f"overlap with the polygon, {label}", seen, overlap_least, 1.0, "asked for at a sample a pixel"),
+            Check(
+                f"overlap with the polygon, {label}",
+                overlap_with_polygon,
+                overlap_least,
+                1.0,
+                "asked for at a sample a pixel",
+            ),
         ]

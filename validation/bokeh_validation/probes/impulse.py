@@ -67,15 +67,15 @@ def _shape_checks(aperture: str, rotation: float, value: np.ndarray) -> list[Che
     """Check area, overlap and orientation of one result, (H, W) without the ambient light."""
     label, center, folds = f"{rotation:g} degrees", pixel_center(*CENTER), FOLDS[aperture]
     truth = analytic(aperture, rotation)
-    seen = np.clip(value / plateau(aperture), 0.0, 1.0)
+    coverage = np.clip(value / plateau(aperture), 0.0, 1.0)
     area, edge = truth.sum(), _edge(aperture)
-    turn = geometry.turn_between(seen, truth, center, folds)
+    turn = geometry.turn_between(coverage, truth, center, folds)
     radius = max(np.linalg.norm(shape, axis=1).max() for shape in outlines(aperture, rotation))
-    least = (area - edge) / (area + edge)
+    overlap_bound = (area - edge) / (area + edge)
     why, farthest = "the boundary is known to half a pixel", "half a pixel at the farthest corner"
     return [
-        Check(f"area, {label}", seen.sum() / area, 1 - edge / area, 1 + edge / area, why),
-        Check(f"overlap with the polygon, {label}", overlap(seen, truth), least, 1.0, why),
+        Check(f"area, {label}", coverage.sum() / area, 1 - edge / area, 1 + edge / area, why),
+        Check(f"overlap with the polygon, {label}", overlap(coverage, truth), overlap_bound, 1.0, why),
         Check(f"orientation off by, {label} (degrees)", turn, 0.0, np.degrees(0.5 / radius), farthest),
     ]
 
@@ -95,15 +95,16 @@ def light_kept(aperture: str) -> float:
 def _judge(aperture: str, outputs: dict[str, Outputs]) -> list[Check]:
     upright, turned = (textures["result"][..., 1] - AMBIENT for textures in outputs.values())
     checks = _shape_checks(aperture, 0.0, upright) + _shape_checks(aperture, ROTATION, turned)
-    whole = 2.0 * COC * aperture_shapes.PARALLELOGRAMS["square"][0].corners()
-    near = geometry.coverage(whole, SIZE, pixel_center(*CENTER)) > 0
+    enclosing_square = 2.0 * COC * aperture_shapes.PARALLELOGRAMS["square"][0].corners()
+    near = geometry.coverage(enclosing_square, SIZE, pixel_center(*CENTER)) > 0
     if len(aperture_shapes.PARALLELOGRAMS[aperture]) == 1:
-        off, why = 2 * 2.0**-10, "bilinear samples share their light out completely; two stores, a step of 2^-10 each"
+        light_error = 2 * 2.0**-10
+        why = "bilinear samples share their light out completely; two stores, a step of 2^-10 each"
     else:
-        off = _edge(aperture) / analytic(aperture, 0.0).sum()
+        light_error = _edge(aperture) / analytic(aperture, 0.0).sum()
         why = "area of the outline over that of a parallelogram, boundary known to half a pixel"
-    kept = light_kept(aperture)
-    checks.append(Check("light kept", upright[near].sum() / PEAK, kept * (1 - off), kept * (1 + off), why))
+    low, high = (light_kept(aperture) * (1 + error) for error in (-light_error, light_error))
+    checks.append(Check("light kept", upright[near].sum() / PEAK, low, high, why))
     return checks
 
 

@@ -59,19 +59,26 @@ class Judge:
 
     def drawn(self, driver: Driver) -> dict[str, np.ndarray]:
         """Return what a driver writes to each target, cropped to that part."""
-        item = self.item
+        render_pass = self.item
         if self.frame.main:
-            text = re.sub(r"\bvoid main\(\)", "void unused()", shaders.glsl(item.entry, "330", item.defines))
-            item = replace(item, sources={"glsl": f"{text}\nvoid main()\n{{\n    {self.frame.main}\n}}\n"})
-        outputs = driver.run([item], self.inputs, self.frame.size, self.frame.storage, keep=item.outputs)
+            text = re.sub(
+                r"\bvoid main\(\)", "void unused()", shaders.glsl(render_pass.entry, "330", render_pass.defines)
+            )
+            render_pass = replace(
+                render_pass, sources={"glsl": f"{text}\nvoid main()\n{{\n    {self.frame.main}\n}}\n"}
+            )
+        outputs = driver.run([render_pass], self.inputs, self.frame.size, self.frame.storage, keep=render_pass.outputs)
         return {name: outputs[name][self.part] for name in self.allowed}
 
     def comparisons(self, driver: Driver, in_steps: Collection[str] = ()) -> dict[str, metrics.Comparison]:
         """Compare each target of a driver with the reference's; those named in `in_steps` by the bounds in steps as
         well.
         """
-        drawn, software = self.drawn(driver), driver.software
-        return {k: metrics.compare(drawn[k], image, software and k in in_steps) for k, image in self.allowed.items()}
+        pixels, software = self.drawn(driver), driver.software
+        return {
+            target: metrics.compare(pixels[target], image, software and target in in_steps)
+            for target, image in self.allowed.items()
+        }
 
     def objection(self, driver: Driver) -> str:
         """Return what is wrong with what a driver draws, or ''."""
@@ -87,21 +94,23 @@ def judges(label: str, frame: Frame, precision: Precision, rounding: str, text: 
     text  all GLSL files as one text; None: those of the package. Raises KeyError if it lacks something that the
           frame's passes need
     """
-    size, made, images, result = frame.size, {}, {}, []
+    size, computed, images, result = frame.size, {}, {}, []
     if not frame.main:
-        made, images = pass_images.alone(frame.passes, frame.textures, size, frame.storage, precision, rounding, text)
+        computed, images = pass_images.alone(
+            frame.passes, frame.textures, size, frame.storage, precision, rounding, text
+        )
     images |= {name: Image(value) for name, value in frame.expected.items()}
-    for item in frame.passes:
-        x, y, width, height = target_area(item.scale, frame.area or (0, 0, *size))
+    for render_pass in frame.passes:
+        x, y, width, height = target_area(render_pass.scale, frame.area or (0, 0, *size))
         part = slice(y, y + height), slice(x, x + width)
-        read = {name: made.get(name, frame.textures.get(name)) for name in item.inputs.values()}
-        allowed = {name: _bounded(images[name].part(*part)) for name in item.outputs}
-        result.append(Judge(label, item, frame, read, part, allowed))
+        inputs = {name: computed.get(name, frame.textures.get(name)) for name in render_pass.inputs.values()}
+        intervals = {name: _bounded(images[name].part(*part)) for name in render_pass.outputs}
+        result.append(Judge(label, render_pass, frame, inputs, part, intervals))
         # fill everything around the image with NaN: no pass may read it
-        for name in item.outputs if frame.area else ():
-            around = np.full_like(made[name], np.nan)
-            around[part] = made[name][part]
-            made[name] = around
+        for name in render_pass.outputs if frame.area else ():
+            only_inside = np.full_like(computed[name], np.nan)
+            only_inside[part] = computed[name][part]
+            computed[name] = only_inside
     return result
 
 
@@ -139,7 +148,7 @@ def compared(case: Case, driver: Driver) -> CaseResult:
         # the bounds in steps are for images; sums and weights are often small differences
         comparisons |= judge.comparisons(driver, case.keep)
         expected |= judge.allowed
-    return CaseResult(case, outputs, {k: expected[k] for k in case.keep}, comparisons)
+    return CaseResult(case, outputs, {target: expected[target] for target in case.keep}, comparisons)
 
 
 def expected(case: Case, precision: Precision, rounding: str) -> dict[str, Image]:

@@ -168,13 +168,13 @@ def _judge_covered(outputs: dict[str, Outputs]) -> list[Check]:
     covered = blue[:, alpha >= 1.0].max() / spread.max()
     # a ray from a pixel to the light crosses the near plane on the opposite side of the pixel; by similar triangles
     ratio = NEAR_COC / COC
-    seen = spread[:, x < (COVER + (EDGE + 0.5) * ratio) / (1 + ratio)].sum()
-    most = (spread * (1.0 - alpha) / np.maximum(1.0 - hidden, STEP)).sum() / seen
-    nothing = "light where the near thing covers all, in units of the light's bokeh"
+    visible_light = spread[:, x < (COVER + (EDGE + 0.5) * ratio) / (1 + ratio)].sum()
+    light_bound = (spread * (1.0 - alpha) / np.maximum(1.0 - hidden, STEP)).sum() / visible_light
+    covered_name = "light where the near thing covers all, in units of the light's bokeh"
     why = "it fades with the near edge: 1 - alpha of the polygon over the share of the far plane in the picture"
     return [
-        Check(nothing, covered, 0.0, WHOLE + STEP, "near shares from 0.998 count as 1"),
-        Check("light, in units of what the lens sees of it", blue.sum() / seen, 0.99, 1.01 * most, why),
+        Check(covered_name, covered, 0.0, WHOLE + STEP, "near shares from 0.998 count as 1"),
+        Check("light, in units of what the lens sees of it", blue.sum() / visible_light, 0.99, 1.01 * light_bound, why),
     ]
 
 

@@ -43,7 +43,7 @@ def checker(size: tuple[int, int]) -> np.ndarray:
 def edge_spread(polygon: np.ndarray, distances: np.ndarray) -> np.ndarray:
     """Return the fraction of a polygon to the left of a vertical line at each distance from its middle, pixels."""
     far = 2.0 * np.abs(polygon).max() + np.abs(distances).max()
-    halves = (np.array([[-far, -far], [place, -far], [place, far], [-far, far]]) for place in distances)
+    halves = (np.array([[-far, -far], [distance, -far], [distance, far], [-far, far]]) for distance in distances)
     areas = [geometry.signed_area(geometry.clip_convex(polygon, half)) for half in halves]
     return np.array(areas) / geometry.signed_area(polygon)
 
@@ -91,14 +91,14 @@ def _judge_edges(aperture: str, rotation: float, outputs: dict[str, Outputs]) ->
         through_off = np.abs(behind - (1.0 - alpha) * checker((width, height)))[:, x >= edge].max()
         hidden = (x < edge) & (edge - x < 0.3 * coc)
         filled = (behind / np.maximum(1.0 - alpha, STEP))[:, hidden]
-        known = 0.5 * steepest(polygon) + WHOLE + STEP
-        off = 3 * STEP / (1.0 - alpha[:, hidden]).min()
-        through, own = f"what is in focus, off from 1 - alpha of it by, {label}", "it adds nothing: two stores"
+        spread_bound = 0.5 * steepest(polygon) + WHOLE + STEP
+        fill_error = 3 * STEP / (1.0 - alpha[:, hidden]).min()
+        through_name = f"what is in focus, off from 1 - alpha of it by, {label}"
         checks += [
-            Check(f"alpha off from the edge spread by, {label}", spread_off, 0.0, known, HALF_PIXEL),
-            Check(through, through_off, 0.0, 2 * STEP, own),
-            Check(f"darkest behind the edge, {label}", filled.min(), 0.1 - off, INFINITY, FILLED),
-            Check(f"brightest behind the edge, {label}", filled.max(), -INFINITY, 0.8 + off, FILLED),
+            Check(f"alpha off from the edge spread by, {label}", spread_off, 0.0, spread_bound, HALF_PIXEL),
+            Check(through_name, through_off, 0.0, 2 * STEP, "it adds nothing: two stores"),
+            Check(f"darkest behind the edge, {label}", filled.min(), 0.1 - fill_error, INFINITY, FILLED),
+            Check(f"brightest behind the edge, {label}", filled.max(), -INFINITY, 0.8 + fill_error, FILLED),
         ]
     return checks
 

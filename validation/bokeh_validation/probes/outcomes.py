@@ -111,22 +111,22 @@ def of_driver(probe: Probe, driver: Driver) -> Outcome:
 
 def merged(outcomes: Iterable[Outcome]) -> list[Outcome]:
     """Join the outcomes of the same name, which come from different drivers."""
-    found: dict[str, Outcome] = {}
-    for other in outcomes:
-        one = found.get(other.name)
-        found[other.name] = other if one is None else _joined(one, other)
-    return list(found.values())
+    by_name: dict[str, Outcome] = {}
+    for outcome in outcomes:
+        earlier = by_name.get(outcome.name)
+        by_name[outcome.name] = outcome if earlier is None else _joined(earlier, outcome)
+    return list(by_name.values())
 
 
-def _joined(one: Outcome, other: Outcome) -> Outcome:
+def _joined(first: Outcome, second: Outcome) -> Outcome:
     # the first image of each strip is the reference's, which both have
-    strips = {label: [*one.strips.get(label, panels[:1]), *panels[1:]] for label, panels in other.strips.items()}
+    strips = {label: [*first.strips.get(label, panels[:1]), *panels[1:]] for label, panels in second.strips.items()}
     return replace(
-        one,
-        runs=[*one.runs, *other.runs],
-        strips={**one.strips, **strips},
-        adapters={**one.adapters, **other.adapters},
-        missing={**one.missing, **other.missing},
+        first,
+        runs=[*first.runs, *second.runs],
+        strips={**first.strips, **strips},
+        adapters={**first.adapters, **second.adapters},
+        missing={**first.missing, **second.missing},
     )
 
 
@@ -141,12 +141,12 @@ def strip(driver: str, name: str, result: CaseResult) -> list[Panel]:
 
 def panel(caption: str, pixels: np.ndarray, expected: np.ndarray, comparison: Comparison) -> Panel:
     """Return an image with its caption, and with a map of its distance to the reference if it failed."""
-    shown = pictures.display(pixels, tone_map=True)
+    displayed = pictures.display(pixels, tone_map=True)
     if comparison.ok:
         numbers = f"{100 * comparison.close:.2f} % within {metrics.CLOSE_STEPS} steps"
-        return Panel(caption, pictures.jpeg_uri(shown), numbers)
+        return Panel(caption, pictures.jpeg_uri(displayed), numbers)
     heat = pictures.heat(metrics.steps(pixels, expected, pixels.dtype.type), DIFFERENCE_STEPS)
-    return Panel(caption, pictures.png_uri(shown), str(comparison), pictures.png_uri(heat))
+    return Panel(caption, pictures.png_uri(displayed), str(comparison), pictures.png_uri(heat))
 
 
 def drivers_of(outcomes: Iterable[Outcome]) -> list[str]:

@@ -118,18 +118,18 @@ def _steepest(value: np.ndarray) -> float:
 
 
 def _judge_coc_blur(outputs: dict[str, Outputs]) -> list[Check]:
-    blurred, kept = outputs["CoC blurred"]["result"], outputs["CoC not blurred"]["result"]
+    blurred, unblurred = outputs["CoC blurred"]["result"], outputs["CoC not blurred"]["result"]
     stored = outputs["CoC not blurred"]["coc"][..., 3]
-    edges = _steepest(kept[..., 1]) / _steepest(blurred[..., 1])
-    steps = _steepest(blurred[..., 3]) / _steepest(kept[..., 3])
-    changed = float((np.abs(kept[..., 3] - stored) / stored).max())
+    edges = _steepest(unblurred[..., 1]) / _steepest(blurred[..., 1])
+    steps = _steepest(blurred[..., 3]) / _steepest(unblurred[..., 3])
+    changed = float((np.abs(unblurred[..., 3] - stored) / stored).max())
     soft = "blurring the CoC softens the edges at depth discontinuities; 1 % is above what the stores can do"
     mean = "a mean over a line is smoother than what it averages"
-    on = "each pass hands the centre's CoC on: one step for each of three stores, one for reading at a rounded uv"
+    passed = "each pass hands the centre's CoC on: one step for each of three stores, one for reading at a rounded uv"
     return [
         Check("steepest edge, not blurred over blurred", edges, 1.01, float("inf"), soft),
         Check("steepest step of the CoC, blurred over not", steps, 0.0, 0.75, mean),
-        Check("CoC changed by the passes when not blurred (relative)", changed, 0.0, 4 * HALF_STEP, on),
+        Check("CoC changed by the passes when not blurred (relative)", changed, 0.0, 4 * HALF_STEP, passed),
     ]
 
 

@@ -30,7 +30,7 @@ def ripple(aperture: str) -> float:
     lattice = i[..., None] * along + j[..., None] * across
     cell = spacing**2 * abs(along[0] * across[1] - along[1] * across[0])
     places = np.stack(np.meshgrid(*[np.linspace(0.0, 1.0, 11)] * 2), axis=-1).reshape(-1, 2)
-    sums = [np.maximum(0.0, 1.0 - np.abs(lattice - place)).prod(axis=-1).sum() * cell for place in places]
+    sums = [np.maximum(0.0, 1.0 - np.abs(lattice - pixel)).prod(axis=-1).sum() * cell for pixel in places]
     return float(np.abs(np.array(sums) - 1.0).max())
 
 
@@ -61,13 +61,13 @@ def _judge_min(aperture: str, outputs: dict[str, Outputs]) -> list[Check]:
     # a pixel away from the true shapes, so that their soft edges are not taken for false light
     outside = grown(truth > 0) == 0
     light = truth.sum() / 2
-    seen, expected = value[outside].sum() / light, predicted[outside].sum() / light
+    false_light, predicted_light = value[outside].sum() / light, predicted[outside].sum() / light
     border = 0.5 * _boundary_pixels(predicted * outside) / light
-    least, most = max(expected - border, 0.25 * expected), expected + border
+    light_minimum, light_maximum = max(predicted_light - border, 0.25 * predicted_light), predicted_light + border
     why = "the analytic false shape, its boundary known to half a pixel; it must not be zero"
     bright = "both blurs have light 1, within the ripple of their samples"
     return [
-        Check("light in false shapes (share of one highlight)", seen, least, most, why),
+        Check("light in false shapes (share of one highlight)", false_light, light_minimum, light_maximum, why),
         Check("brightest false pixel (plateaus)", value[outside].max(), 0.5, 1 + ripple(aperture), bright),
     ]
 
@@ -77,12 +77,13 @@ def _judge_max(aperture: str, outputs: dict[str, Outputs]) -> list[Check]:
     truth, predicted = _analytic(aperture)
     # where the formula predicts that one of two highlights is missing, without a border of one pixel
     missing = truth - predicted > 0.5
-    inner, off = ~grown(~missing), ripple(aperture)
-    shown, expected = (image[inner].mean() / truth[inner].mean() for image in (value, predicted))
-    area, why = float(missing.sum()), f"the analytic shapes give {expected:.3f}, within the ripple of the samples"
+    inner, ripple_bound = ~grown(~missing), ripple(aperture)
+    light_shown, predicted_share = (image[inner].mean() / truth[inner].mean() for image in (value, predicted))
+    why = f"the analytic shapes give {predicted_share:.3f}, within the ripple of the samples"
+    low, high = predicted_share - ripple_bound, predicted_share + ripple_bound
     return [
-        Check("area with light missing (pixels)", area, 10.0, float("inf"), "the artefact must show"),
-        Check("light shown there, share of the correct sum", shown, expected - off, expected + off, why),
+        Check("area with light missing (pixels)", float(missing.sum()), 10.0, float("inf"), "the artefact must show"),
+        Check("light shown there, share of the correct sum", light_shown, low, high, why),
     ]
 
 

@@ -23,11 +23,11 @@ def probes(driver: terminal.SeveralDrivers = None, adapter: terminal.Adapter = N
     check_adapter(names, adapter)
     tests = [session.probe(probe.name, name) for probe in PROBES for name in names]
     with terminal.progress("probe", len(tests)) as step:
-        found, errors = session.run(tests, step, adapter=adapter)
-    results = outcomes.merged(found.values())
+        handed_over, errors = session.run(tests, step, adapter=adapter)
+    results = outcomes.merged(handed_over.values())
     outcomes.print_grid(results)
     outcomes.print_details(results, True)
-    terminal.end(_told(session.unexplained(found, errors)) and all(result.ok for result in results))
+    terminal.end(_told(session.unexplained(handed_over, errors)) and all(result.ok for result in results))
 
 
 def compile_all(json_file: terminal.JsonFile = None) -> None:
@@ -35,13 +35,13 @@ def compile_all(json_file: terminal.JsonFile = None) -> None:
     terminal.check_writable(json_file)
     tests = [session.variant(name) for name in dict.fromkeys(program.variant for program in load())]
     with terminal.progress("compile", len(tests)) as step:
-        found, errors = session.run(tests, step)
-    compilation = Compilation([row for part in found.values() for row in part.rows])
+        handed_over, errors = session.run(tests, step)
+    compilation = Compilation([row for compiled in handed_over.values() for row in compiled.rows])
     terminal.console.print(compilation.table())
     terminal.tell(compilation.summary, *compilation.failures())
     terminal.tell_missing(compilation.missing)
     terminal.write_json(json_file, compilation.as_json())
-    terminal.end(_told(session.unexplained(found, errors)) and compilation.passed)
+    terminal.end(_told(session.unexplained(handed_over, errors)) and compilation.passed)
 
 
 def engines(
@@ -54,16 +54,16 @@ def engines(
     for name in names or []:
         if name not in ENGINES:
             raise UserError(f"engine {name}: no such sample. Give some of {', '.join(ENGINES)}.")
-    chosen = names or [name for name in ENGINES if everything or name not in SLOW]
-    with terminal.progress("engine", len(chosen)) as step:
-        found, errors = session.run([session.sample(name) for name in chosen], step)
-    for outcome in found.values():
+    samples = names or [name for name in ENGINES if everything or name not in SLOW]
+    with terminal.progress("engine", len(samples)) as step:
+        handed_over, errors = session.run([session.sample(name) for name in samples], step)
+    for outcome in handed_over.values():
         shows = outcome.shows or terminal.NOT_RUN
         terminal.console.print(f"{outcome.name}: {outcome.title}, {shows}", highlight=False)
         outcomes.print_details([outcome], True)
-    absent = os.environ.get("CI") and any(outcome.missing for outcome in found.values())
-    passed = all(outcome.ok for outcome in found.values()) and not absent
-    terminal.end(_told(session.unexplained(found, errors)) and passed)
+    absent = os.environ.get("CI") and any(outcome.missing for outcome in handed_over.values())
+    passed = all(outcome.ok for outcome in handed_over.values()) and not absent
+    terminal.end(_told(session.unexplained(handed_over, errors)) and passed)
 
 
 def _told(errors: dict[str, str]) -> bool:

@@ -24,19 +24,19 @@ UNKNOWN = [0.0, 1.0]
 
 def units(collection: Iterable[str], durations: Durations) -> dict[str, str]:
     """Group tests into units; returns node id -> name of its unit, which is its first test."""
-    found, files = {}, {}
+    unit_of, files = {}, {}
     for nodeid in collection:
         files.setdefault(nodeid.partition("::")[0], []).append(nodeid)
     for tests in files.values():
-        known = [durations.get(nodeid, UNKNOWN) for nodeid in tests]
-        sharing = any(set_up > SHARED for set_up, _ in known)
-        name, taken = tests[0], 0.0
-        for nodeid, (set_up, seconds) in zip(tests, known, strict=True):
-            if taken >= UNIT and (set_up > SHARED or not sharing):
-                name, taken = nodeid, 0.0
-            found[nodeid] = name
-            taken += seconds
-    return found
+        recorded = [durations.get(nodeid, UNKNOWN) for nodeid in tests]
+        sharing = any(set_up > SHARED for set_up, _ in recorded)
+        name, unit_seconds = tests[0], 0.0
+        for nodeid, (set_up, seconds) in zip(tests, recorded, strict=True):
+            if unit_seconds >= UNIT and (set_up > SHARED or not sharing):
+                name, unit_seconds = nodeid, 0.0
+            unit_of[nodeid] = name
+            unit_seconds += seconds
+    return unit_of
 
 
 class LongestFirst(LoadScopeScheduling):
@@ -85,8 +85,8 @@ class Recorder:
     def pytest_runtest_logreport(self, report):
         """Add the duration of one phase of a test."""
         set_up, seconds = self.found.get(report.nodeid, (0.0, 0.0))
-        own = report.duration if report.when == "setup" else 0.0
-        self.found[report.nodeid] = [round(set_up + own, 3), round(seconds + report.duration, 3)]
+        set_up_now = report.duration if report.when == "setup" else 0.0
+        self.found[report.nodeid] = [round(set_up + set_up_now, 3), round(seconds + report.duration, 3)]
         if report.skipped:
             self.skipped.add(report.nodeid)
 

@@ -71,7 +71,7 @@ def pytest_configure(config):
 @pytest.fixture
 def hand_over(request) -> Callable[[Handed], None]:
     """Return a function that hands an object to the command; the object arrives whether the test passes or fails."""
-    return lambda thing: request.node.user_properties.append((HANDED_OVER, pickle.dumps(thing)))
+    return lambda result: request.node.user_properties.append((HANDED_OVER, pickle.dumps(result)))
 
 
 def probe(name: str, driver: str) -> str:

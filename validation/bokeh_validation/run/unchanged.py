@@ -17,12 +17,12 @@ LEFT_BEHIND = (".pyc",)
 @cache
 def digest_of(name: str) -> str:
     """Return a digest of a file, or of all files of a folder by their paths and contents."""
-    place = paths.ROOT / name
-    if not place.exists():
+    root = paths.ROOT / name
+    if not root.exists():
         raise ValueError(f"pytest.mark.inputs: there is no {name}")
-    files = [place] if place.is_file() else [path for path in place.rglob("*") if path.is_file()]
-    named = sorted((path.relative_to(paths.ROOT).as_posix(), path) for path in files)
-    return locks.digest(part for name, path in named if path.suffix not in LEFT_BEHIND for part in (name, path))
+    files = [root] if root.is_file() else [path for path in root.rglob("*") if path.is_file()]
+    named_files = sorted((path.relative_to(paths.ROOT).as_posix(), path) for path in files)
+    return locks.digest(part for name, path in named_files if path.suffix not in LEFT_BEHIND for part in (name, path))
 
 
 def _state(item: pytest.Item) -> str | None:

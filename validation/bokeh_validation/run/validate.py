@@ -95,13 +95,13 @@ class Everything:
     def verdict(self) -> str:
         """Return one line that says whether the shaders are right and what was run to show it."""
         counts, drivers = self.compilation.counts, outcomes.drivers_of(self.probes)
-        seen = f"{len(self.probes)} probes on {', '.join(drivers) or 'no driver'}"
-        seen += f", {counts[OK]} compilations"
-        seen += f", {len(self.engines)} engines' samples" if self.engines else ""
-        return f"FAILED: {', '.join(self.failed)} ({seen})" if self.failed else f"All ok: {seen}"
+        what_was_run = f"{len(self.probes)} probes on {', '.join(drivers) or 'no driver'}"
+        what_was_run += f", {counts[OK]} compilations"
+        what_was_run += f", {len(self.engines)} engines' samples" if self.engines else ""
+        return f"FAILED: {', '.join(self.failed)} ({what_was_run})" if self.failed else f"All ok: {what_was_run}"
 
 
-def write_report(path: Path, found: Everything) -> None:
+def write_report(path: Path, results: Everything) -> None:
     """Write the report as a self-contained page: the verdict, market_7 next to the truth, the tables, the images."""
     loader = jinja2.PackageLoader("bokeh_validation.run", ".")
     environment = jinja2.Environment(loader=loader, autoescape=True, trim_blocks=True, lstrip_blocks=True)
@@ -109,8 +109,8 @@ def write_report(path: Path, found: Everything) -> None:
     page = environment.get_template("page.html").render(
         version=__version__,
         date=datetime.now().astimezone().strftime("%Y-%m-%d %H:%M %Z"),
-        found=found,
-        drivers=outcomes.drivers_of(found.probes),
+        found=results,
+        drivers=outcomes.drivers_of(results.probes),
         difference_steps=outcomes.DIFFERENCE_STEPS,
     )
     files.whole(path, lambda partial: partial.write_text(page, encoding="utf-8"))
@@ -154,23 +154,25 @@ def everything(full: bool, adapter: str | None) -> Everything:
     """Run the tests that the report is made of; arguments as in validate()."""
     names = REAL if full else BRIEF_DRIVERS
     session.check_adapter(names, adapter)
-    chosen = [probe for probe in probes.PROBES if full or probe.brief]
+    chosen_probes = [probe for probe in probes.PROBES if full or probe.brief]
     variants = dict.fromkeys(program.variant for program in load()) if full else BRIEF_VARIANTS
     tests = {
-        "probes": [session.probe(probe.name, name) for probe in chosen for name in names],
+        "probes": [session.probe(probe.name, name) for probe in chosen_probes for name in names],
         "engines": [session.sample(name) for name in engines.ENGINES if name not in engines.SLOW] if full else [],
         "compilation": [session.variant(name) for name in variants],
         "market": [session.MARKET],
     }
-    every = [test for some in tests.values() for test in some]
-    with terminal.progress("validate", len(every)) as step:
-        found, errors = session.run(every, step, FULL if full else BRIEF, adapter)
-    done = {part: [found[test] for test in some if test in found] for part, some in tests.items()}
+    all_tests = [test for group in tests.values() for test in group]
+    with terminal.progress("validate", len(all_tests)) as step:
+        handed_over, errors = session.run(all_tests, step, FULL if full else BRIEF, adapter)
+    done = {part: [handed_over[test] for test in group if test in handed_over] for part, group in tests.items()}
     compilation = Compilation([row for part in done["compilation"] for row in part.rows])
-    left_out = {} if full else _left_out(len(probes.PROBES) - len(chosen))
+    left_out = {} if full else _left_out(len(probes.PROBES) - len(chosen_probes))
     market = next(iter(done["market"]), None)
     merged = outcomes.merged(done["probes"])
-    return Everything(full, compilation, merged, market, done["engines"], session.unexplained(found, errors), left_out)
+    return Everything(
+        full, compilation, merged, market, done["engines"], session.unexplained(handed_over, errors), left_out
+    )
 
 
 def _left_out(count: int) -> dict[str, str]:

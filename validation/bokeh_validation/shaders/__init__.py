@@ -40,9 +40,9 @@ def file_text(language: str, stem: str = "bokeh") -> str:
 
 def presets(source: str) -> dict[str, dict[str, str]]:
     """Return preset -> name -> value from HLSL or GLSL; '' is the key for no preset."""
-    found = r"(?:defined\(BOKEH_PRESET_(\w+)\)|^#else)\n((?:#define BOKEH_PRESET_\w+ \S+\n)+)"
+    pattern = r"(?:defined\(BOKEH_PRESET_(\w+)\)|^#else)\n((?:#define BOKEH_PRESET_\w+ \S+\n)+)"
     values: dict[str, dict[str, str]] = {}
-    for name, lines in re.findall(found, source, re.MULTILINE):
+    for name, lines in re.findall(pattern, source, re.MULTILINE):
         # the text may contain several files, each with its own presets
         values.setdefault(name, {}).update(re.findall(r"(\w+) (\S+)\n", lines))
     return values
@@ -50,10 +50,10 @@ def presets(source: str) -> dict[str, dict[str, str]]:
 
 def settings(language: str, source: str) -> dict[str, str]:
     """Return name -> value of the configuration in a text, without a preset."""
-    found = re.findall(WGSL_SETTING if language == "wgsl" else SETTING, source, re.MULTILINE)
+    rows = re.findall(WGSL_SETTING if language == "wgsl" else SETTING, source, re.MULTILINE)
     plain = presets(source).get("", {})
     fixed = dict(re.findall(r"^#define (BOKEH_M\w+_DEPTH) (\S+)$", source, re.MULTILINE))
-    return {name: plain.get("".join(value), "".join(value)) for name, *value in found} | fixed
+    return {name: plain.get("".join(value), "".join(value)) for name, *value in rows} | fixed
 
 
 def defines(values: Mapping[str, object]) -> str:

@@ -41,19 +41,19 @@ _TYPES = {
 }
 
 
-def _own_body(found: re.Match) -> str:
+def _own_body(match: re.Match) -> str:
     """Reduce a function that reads a texture to its head and the first line of its comment."""
-    first = found["doc"].partition("\n")[0]
-    return f"{first}\n{found['head']};" if re.search(rf"{rules.SAMPLING}\(", found["body"]) else found[0]
+    first = match["doc"].partition("\n")[0]
+    return f"{first}\n{match['head']};" if re.search(rf"{rules.SAMPLING}\(", match["body"]) else match[0]
 
 
-def _wgsl_head(found: re.Match) -> str:
-    parameters = re.sub(r"(\w+): ([\w<>]+)", r"\2 \1", found[2])
-    return f"{found[3] or 'void'} {found[1]}({parameters})"
+def _wgsl_head(match: re.Match) -> str:
+    parameters = re.sub(r"(\w+): ([\w<>]+)", r"\2 \1", match[2])
+    return f"{match[3] or 'void'} {match[1]}({parameters})"
 
 
-def _wgsl_targets(found: re.Match) -> str:
-    return " ".join(f"target{i} = {value};" for i, value in enumerate(re.split(r",\s+", found[1])))
+def _wgsl_targets(match: re.Match) -> str:
+    return " ".join(f"target{i} = {value};" for i, value in enumerate(re.split(r",\s+", match[1])))
 
 
 # (pattern, replacement) in the order of application: first to the whole text, then to the code
@@ -146,13 +146,13 @@ def check(texts: Mapping[str, str] | None = None) -> list[Difference]:
         if key not in files:
             # read without conversion, so that the rules see what is not UTF-8 and every kind of line end
             files[key] = (paths.shaders() / key).read_bytes().decode("utf-8", errors="surrogateescape")
-    found: list[Difference] = []
+    differences: list[Difference] = []
     for keys in FILES.values():
         for language, key in keys.items():
-            found += _ruled(language, key, files[key])
+            differences += _ruled(language, key, files[key])
         for pair in combinations(keys, 2):
-            found += _compared(pair, tuple((keys[language], files[keys[language]]) for language in pair))
-    return found
+            differences += _compared(pair, tuple((keys[language], files[keys[language]]) for language in pair))
+    return differences
 
 
 def parity() -> None:
@@ -165,38 +165,42 @@ def parity() -> None:
 # Mutants and tests change one file a thousand times; what was found in the others is cached.
 @lru_cache(maxsize=64)
 def _ruled(language: str, key: str, text: str) -> list[Difference]:
-    found = rules.findings(text, language, key != PASSES[language])
-    return [Difference(f"{key}:{number}", what, (row,)) for number, what, row in found]
+    broken_rules = rules.findings(text, language, key != PASSES[language])
+    return [Difference(f"{key}:{number}", rule, (row,)) for number, rule, row in broken_rules]
 
 
 @lru_cache(maxsize=64)
 def _compared(pair: tuple[str, str], files: tuple[tuple[str, str], ...]) -> list[Difference]:
     """Compare the files of two languages, each a path and a text."""
     sides = [_said(_lines(pair[i], files[i][1]), pair[1 - i]) for i in (0, 1)]
-    one, other = ([line.common for line in side] for side in sides)
-    found = []
-    for tag, i, j, k, m in SequenceMatcher(None, one, other, autojunk=False).get_opcodes() if one != other else ():
+    first_texts, second_texts = ([line.common for line in side] for side in sides)
+    differences = []
+    for tag, i, j, k, m in (
+        SequenceMatcher(None, first_texts, second_texts, autojunk=False).get_opcodes()
+        if first_texts != second_texts
+        else ()
+    ):
         if tag == "equal":
             continue
         places = [
             f"{path}:{part[0].number}  {' '.join(line.source for line in part[:4])}" if part else f"{path}  (nothing)"
             for (path, _), part in zip(files, (sides[0][i:j], sides[1][k:m]), strict=True)
         ]
-        found.append(Difference(" and ".join(pair), "not the same", tuple(places)))
-    return found
+        differences.append(Difference(" and ".join(pair), "not the same", tuple(places)))
+    return differences
 
 
 def _said(lines: Sequence[TextLine], other: str) -> list[TextLine]:
     """Keep what the other language can express too, and reduce several blank lines to one."""
-    kept: list[TextLine] = []
+    comparable: list[TextLine] = []
     for line in lines:
         if other == "glsl":
             line = line._replace(common=re.sub(r",(?:sampler )?BokehLinearClamp\b", "", line.common))
         if other == "wgsl" and line.common.startswith("#"):
             continue
-        if line.common or (kept and kept[-1].common):
-            kept.append(line)
-    return kept if kept and kept[-1].common else kept[:-1]
+        if line.common or (comparable and comparable[-1].common):
+            comparable.append(line)
+    return comparable if comparable and comparable[-1].common else comparable[:-1]
 
 
 @lru_cache(maxsize=64)
@@ -204,25 +208,25 @@ def _lines(language: str, text: str) -> tuple[TextLine, ...]:
     """Split a file into lines in common words."""
     sources = text.split("\n")
     if heading := _HEADING.search(text):
-        before = text[: heading.end()].split("\n")
-        text = "\n".join(row if _TABLE_ROW.match(row) else "" for row in before) + text[heading.end() :]
+        head_rows = text[: heading.end()].split("\n")
+        text = "\n".join(row if _TABLE_ROW.match(row) else "" for row in head_rows) + text[heading.end() :]
     plain = shaders.presets(text).get("", {})
-    named = rf"\b{language.upper()}(?=\. Version )|(?<=\.){language}\b"
-    setting = (shaders.SETTING, lambda one: f"{one[1]} = {plain.get(one[2], one[2])};")
-    text = _rewritten(text, (*_EVERYWHERE, (named, "LANGUAGE"), setting))
+    language_name = rf"\b{language.upper()}(?=\. Version )|(?<=\.){language}\b"
+    setting = (shaders.SETTING, lambda match: f"{match[1]} = {plain.get(match[2], match[2])};")
+    text = _rewritten(text, (*_EVERYWHERE, (language_name, "LANGUAGE"), setting))
     comments = shaders.COMMENT.findall(text)
     numbers = iter(range(len(comments)))
-    words = tuple((rf"\b{own}(?!\w)", word) for own, word in zip(_TYPES[language], _WORDS, strict=True))
+    words = tuple((rf"\b{spelling}(?!\w)", word) for spelling, word in zip(_TYPES[language], _WORDS, strict=True))
     text = _rewritten(shaders.COMMENT.sub(lambda _: f"//{next(numbers)}", text), (*_CODE[language], *words[::-1]))
-    found = []
-    for one in _LINE.finditer(text):
-        if one[0].startswith("//"):
-            common = " ".join(comments[int(one[0][2:])].split())
+    text_lines = []
+    for match in _LINE.finditer(text):
+        if match[0].startswith("//"):
+            common = " ".join(comments[int(match[0][2:])].split())
         else:
-            common = re.sub(r"\s*([^\w\s])\s*", r"\1", " ".join(one[0].split()))
-        line = text.count("\n", 0, one.start())
-        found.append(TextLine(common, line + 1, sources[line].strip() or "(empty)"))
-    return tuple(found)
+            common = re.sub(r"\s*([^\w\s])\s*", r"\1", " ".join(match[0].split()))
+        line = text.count("\n", 0, match.start())
+        text_lines.append(TextLine(common, line + 1, sources[line].strip() or "(empty)"))
+    return tuple(text_lines)
 
 
 def _rewritten(text: str, rewrites: _Rewrites) -> str:
