@@ -1,3 +1,3 @@
-"""Validation harness of the polygonal bokeh shaders: compiles every variant and runs it on real drivers."""
+"""Validate the polygonal bokeh shaders: compile every variant and run it on real drivers."""
 
 __version__ = "0.3.0"

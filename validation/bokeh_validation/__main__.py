@@ -1,4 +1,4 @@
-"""`python -m bokeh_validation`: the command line of `validation/run`."""
+"""Start the command line of `validation/run` from `python -m bokeh_validation`."""
 
 from bokeh_validation.cli import main
 

@@ -30,7 +30,7 @@ def _committed(key: str) -> str:
     key  path of the file below the folder of the shaders, such as 'glsl/bokeh.glsl'
     Raises UserError outside a git checkout.
     """
-    # git refuses a checkout that belongs to another user unless it is told that it is safe
+    # git refuses a checkout that belongs to another user unless the checkout is marked as safe
     git = ["git", "-c", "safe.directory=*", "-C", str(paths.shaders())]
     if subprocess.run([*git, "rev-parse", "HEAD"], capture_output=True).returncode:
         raise UserError(f"{paths.shaders()}: no git checkout. check looks at what has changed: clone the repository.")
@@ -54,7 +54,7 @@ def edited(texts: Texts, entry: str, constants: Mapping[str, int] | None = None)
 
 
 def _refused(language: str, entries: set[str]) -> Iterator[str]:
-    """Compile the entries with one compiler of the language and yield what it says of those that it rejects.
+    """Compile the entries with one compiler of the language and yield its messages for the entries that it rejects.
 
     Raises Unavailable if this machine lacks the compiler.
     """

@@ -1,4 +1,4 @@
-"""The command line of validation/run. Each command is a function of its name in its feature's own module."""
+"""Define the command line of validation/run. Each command is a function of its name in its feature's own module."""
 
 import importlib
 import os

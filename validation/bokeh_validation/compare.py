@@ -25,7 +25,7 @@ from bokeh_validation.reference.listings import DEPTH_KINDS, linear_depth, store
 from bokeh_validation.shaders.parameters import PARAMETERS
 from bokeh_validation.shaders.passes import Pass
 
-# What an engine's depth buffer may hold, and what it may have been read as
+# Kinds of depth that an engine's buffer may hold, and that it may have been mistaken for
 KINDS = ("window", "reversed", "infinite", "clip", "metres", "fraction")
 # A mistake is named only if it reduces the distance at least by this factor; devices' rounding and filtering differ by
 # less

@@ -26,7 +26,7 @@ def find(check: Callable[[], str]) -> tuple[str, str]:
 
 
 def state(name: str, absent: set[str]) -> str:
-    """Return whether a need is met, as markup, or '' if that cannot be told.
+    """Return whether a need is met, as markup, or '' if that cannot be determined.
 
     name    a key of NEEDS
     absent  Debian packages that are not installed
@@ -42,7 +42,7 @@ def state(name: str, absent: set[str]) -> str:
 
 
 def print_needs() -> None:
-    """Print the table of needs.py with what is found and missing, then the needs of each command."""
+    """Print the table of needs.py, marking each need as found or missing, then the needs of each command."""
     absent = set(setup.missing(needs.packages(list(needs.NEEDS))))
     table = Table("", "", "to fetch", "", box=None, pad_edge=False)
     states = {name: state(name, absent) for name in needs.NEEDS}

@@ -2,8 +2,8 @@
 
 
 class UserError(Exception):
-    """Raised for bad input. The text says in one line what was wrong, where, and what to do."""
+    """Report bad input. The text says in one line what was wrong, where, and what to do."""
 
 
 class Unavailable(Exception):
-    """Raised for a compiler or driver that this machine lacks. The text says how to install it."""
+    """Report a compiler or driver that this machine lacks. The text says how to install it."""

@@ -33,7 +33,7 @@ def digest(ingredients: Iterable[str | bytes | Path]) -> str:
 
 
 def built_once(name: str, ingredients: Iterable[str | Path], build: Callable[[Path], object]) -> Path:
-    """Return a folder in the cache folder that holds what is built from these ingredients, building it on first use.
+    """Return the folder in the cache folder that is built from these ingredients, building it on first use.
 
     name         of the folder, such as 'engines/ogre'; a digest of the ingredients is added
     ingredients  everything that the contents depend on, see digest()
@@ -50,7 +50,7 @@ def built_once(name: str, ingredients: Iterable[str | Path], build: Callable[[Pa
 
 
 def kept(folder: str, suffix: str, ingredients: Iterable[str | bytes | Path], make: Callable[[], bytes]) -> Path:
-    """Return a file in the cache folder that holds what is made from these ingredients, making it on first use.
+    """Return the file in the cache folder that is made from these ingredients, making it on first use.
 
     folder       below the cache folder, such as 'bytecode'
     suffix       of the file's name, with its dot

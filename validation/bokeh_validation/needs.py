@@ -1,4 +1,4 @@
-"""List what each command needs besides the checkout: where it comes from, its size, and how to install it.
+"""List what each command needs in addition to the checkout, with its source, its size, and how to install it.
 
 This is the only such table: setup.py installs from it, doctor prints it, error messages quote it, and a test checks
 CONTRIBUTING.md against it. Only the standard library is used here, since setup.py runs before anything is installed.
@@ -73,7 +73,7 @@ BROWSER = ("web", "chromium", "npm")
 ENGINES = ("mono", "love", "java", "ogre", "vulkan-sdk", "reshade")
 EVERYTHING = (*DRAWN, "spirv-cross", "lab", "wine", *BROWSER, *ENGINES, "dxc", "fxc", "slang")
 
-# What each command needs; '' is validation/run alone, 'test' is validation/test.
+# Needs of each command; '' is validation/run alone, 'test' is validation/test.
 COMMANDS = {
     **dict.fromkeys(("parity", "plan", "generate", "aperture", "doctor"), ("core",)),
     **dict.fromkeys(("render", "compare", "truth", "pictures"), ("core", "opengl")),

@@ -19,7 +19,7 @@ from bokeh_validation.shaders.parameters import PARAMETERS
 # Most offsets of a kernel, which is a row of texels: every device of the last fifteen years supports a width of 8192.
 MAX_KERNEL = 8192
 MAX_SAMPLES = 1024
-# What the command line starts from; options that are not given keep these values
+# Values of the options that are not given on the command line
 F_STOP, BOKEH_SCALE = 2.8, 10.0
 DEFAULT = Settings("layered", camera=Camera(Camera.focal_length / F_STOP * BOKEH_SCALE))
 INF, TINY = math.inf, math.ulp(0.0)

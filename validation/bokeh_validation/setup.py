@@ -29,13 +29,13 @@ LOCKS = {
         ("web", "requirements-web.txt"),
     )
 }
-# options of pip: one more try after a hiccup, and a quick failure if there is no network
+# options of pip: it repeats a failed download twice, and gives up quickly without a network
 PATIENCE = ("--retries", "2", "--timeout", "15")
 UNREACHABLE = re.compile(r"Retrying \(|ConnectionError|ConnectTimeout|ReadTimeout|name resolution")
 
 
 class SetUpFailed(Exception):
-    """Raised with one line that says what could not be set up, and why."""
+    """Report in one line what could not be set up, and why."""
 
 
 def say(text: str) -> None:

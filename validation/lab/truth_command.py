@@ -9,7 +9,7 @@ from bokeh_validation.errors import UserError
 from bokeh_validation.truth import DEFAULT, METHODS, labels, ray_traced, ray_traced_report
 from lab.rasterised import motion, random_score
 
-# Limit set by the memory of the worst places
+# Limit set by the memory for the worst crops
 MOST_RANDOM = 10_000
 
 

@@ -1,4 +1,4 @@
-"""Compute what each pass except those of the layers writes, in float64, from the paper's formulas and the polygons'
+"""Compute the targets of each pass, except those of the layers, in float64, from the paper's formulas and the polygons'
 geometry.
 
 Written independently of the shaders' text, which interpreter.py runs: tests/shaders/test_reference.py compares the
@@ -84,10 +84,15 @@ def _coc_map(entry: str, values: Mapping[str, float], color: np.ndarray, depth: 
 def _beside_lights(color: np.ndarray, coc: np.ndarray) -> np.ndarray:
     """Take over the CoC of the brightest of the four neighbours, the light, if it is nearer.
 
-    Two kinds of pixel do. A dark one ramps in from 4 to 8 times its brightness; if the sharper of the two has a CoC of
-    one pixel or less, each keeps its own, and the change ramps in up to two pixels. The rim of a light, darker than the
-    light, ramps in from 1.3 to 1.5 times the brightness of its darkest neighbour; it keeps its own CoC up to one pixel,
-    but takes that of a light in focus. Between a pixel behind the focus and a light in front of it there is no ramp.
+    Two kinds of pixel take it over:
+
+      * A dark pixel. The light's CoC fades in while the light is 4 to 8 times as bright as the pixel. If the sharper of
+        the two has a CoC of one pixel or less, each keeps its own; up to two pixels, the change fades in.
+      * A pixel on the rim of a light, darker than the light. The light's CoC fades in while the pixel is 1.3 to 1.5
+        times as bright as its darkest neighbour. Up to a CoC of one pixel it keeps its own, except next to a light in
+        focus.
+
+    Between a pixel behind the focus and a light in front of it, the CoC switches without a ramp.
     """
     light = listings.safe_color(color[..., :3]).sum(axis=-1)
     around, of_them = (

@@ -4,7 +4,7 @@ import numpy as np
 
 from bokeh_validation.reference.listings import MAX_COLOR, MAX_DEPTH, MIN_DEPTH
 
-# A half-float colour value, and what it is treated as; 6e-8 is the smallest denormal half float
+# Half-float colour value -> value that replaces it; 6e-8 is the smallest denormal half float
 COLOR = (
     (np.nan, 0.0),
     (np.inf, MAX_COLOR),
@@ -16,7 +16,7 @@ COLOR = (
     (6e-8, 6e-8),
     (MAX_COLOR, MAX_COLOR),
 )
-# Depth in metres, and what it is treated as
+# Depth in metres -> depth that replaces it
 DEPTH = (
     (np.nan, MIN_DEPTH),
     (np.inf, MAX_DEPTH),

@@ -148,6 +148,6 @@ def _line(segment: Segment, pixels: float, settings: methods.Settings) -> Filter
 
 
 def _filter(offsets: np.ndarray, weights: np.ndarray, covariance: np.ndarray) -> Filter:
-    """Return the filter with what the linear filter adds to its covariance."""
+    """Return the filter with its covariance increased by that of the linear filter."""
     fraction = offsets - np.floor(offsets)
     return Filter(offsets, weights @ offsets, covariance + np.diag(weights @ (fraction * (1.0 - fraction))))

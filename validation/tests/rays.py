@@ -14,7 +14,7 @@ from bokeh_validation.reference import sampling
 Cell = tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]
 # Behind the focus: how much denser than its surroundings a light may be. In front of it: the weight of a sharp sample
 MOST_DENSITY, SHARP = 4.0, 0.5
-# From this fraction of the pixel's CoC on, a sample belongs partly to the pixel's surface
+# Fraction of the pixel's CoC from which a sample belongs partly to the pixel's surface
 SURFACE = 0.75
 # A little above 1, so that rounding does not change a constant CoC
 HANDED_ON = 1.001
@@ -75,7 +75,7 @@ def gathered(cells: Iterable[Cell], source: np.ndarray, center_coc: np.ndarray) 
 def target(lines: Sequence[tuple[Gathered, float | np.ndarray]], center: np.ndarray, hands_on: bool) -> np.ndarray:
     """Return the weighted mean of several lines; the pixel itself if nothing reached it.
 
-    lines     pairs of what a line gathered and its weight
+    lines     pairs of a line's gathered samples and its weight
     center    (H, W, C) centre pixels
     hands_on  reduce alpha below the pixel's CoC where brightness came from samples with a smaller one
     """

@@ -1,4 +1,4 @@
-"""Share drivers, each created once, and the command line between tests. What is missing is a failure only under CI."""
+"""Share drivers, each created once, and the command line between tests. A missing tool fails a test only under CI."""
 
 import os
 import subprocess
@@ -77,7 +77,7 @@ def called(*arguments: object) -> subprocess.CompletedProcess:
 
 
 def says(result: CompileResult, text: str) -> bool:
-    """Return whether a compiler failed with this text; spaces are ignored, since glslang changes those of HLSL's
+    """Return whether a compiler failed with this text; spaces are ignored, since glslang changes the spaces of HLSL's
     #error.
     """
     return not result.ok and text.replace(" ", "") in result.messages.replace(" ", "")

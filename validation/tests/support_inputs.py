@@ -4,7 +4,7 @@ import pytest
 
 from bokeh_validation import paths
 
-# What makes the frame, runs a sample and judges its result
+# Folders with the code that makes the frame, runs a sample and judges its result
 HARNESS = ("browser", "drivers", "engines", "frame", "numerics", "plan", "probes", "reference", "shaders", "windows")
 SHARED = (
     *paths.LANGUAGES,
@@ -19,7 +19,7 @@ FOLDERS = {
     "direct3d11": ("direct3d9",),
     **dict.fromkeys(("threejs", "babylonjs", "playcanvas"), ("web",)),
 }
-# What the compilation of the shaders depends on
+# Inputs of the compilation of the shaders
 COMPILERS = ("browser", "compile_matrix", "compilers", "shaders", "windows", "needs.py")
 COMPILED = (
     *paths.LANGUAGES,

@@ -48,7 +48,7 @@ def assert_passes(project: Path, file: str, extra: Mapping[str, str] | None = No
 
 
 def _tests(element: ElementTree.Element, above: str = "") -> Iterator[tuple[str, ElementTree.Element]]:
-    """Yield each test of a report: its name, prefixed by those of the enclosing tests, and its element."""
+    """Yield each test of a report: its name, prefixed by the names of the enclosing tests, and its element."""
     for child in element:
         name = f"{above}{child.get('name')}"
         if child.tag == "testcase":

@@ -1,5 +1,5 @@
-"""Run headless Chromium with a page: that of the browser drivers and compilers (page/), an engine's sample, or
-another.
+"""Run headless Chromium with a page: the page of the browser drivers and compilers (page/), an engine's sample, or
+another one.
 
 A browser starts on first use, answers one call at a time, and ends with the process. Playwright's event loop would
 conflict with others in the same thread, so it has its own thread, and callers wait with a time limit.
@@ -58,13 +58,13 @@ ADDRESS = "https://bokeh.invalid/"
 
 
 class BrowserError(RuntimeError):
-    """Raised if the browser crashed, hung or could not be called; the text says which. The next session() is a new
+    """Report that the browser crashed, hung or could not be called; the text says which. The next session() is a new
     one.
     """
 
 
 class Refused(RuntimeError):
-    """Raised with the text of an Error that a function of the page threw."""
+    """Report an Error that a function of the page threw, with its text."""
 
 
 # Prefix of an address below ADDRESS -> the folder with the requested files, or the content of the only one
@@ -91,7 +91,7 @@ class Session:
         """Start the browser. Raises Unavailable without Chromium or Playwright, or if it does not start.
 
         address  of the page, which must define window.bokeh; below ADDRESS, or a full address
-        places   searched in this order for each request
+        places   sources of the requested files, searched in this order
         script   runs before the page's own scripts
         flags    additional command-line flags
         limit    seconds that a call may take

@@ -132,7 +132,7 @@ def _row(program: Program, source: str) -> Row:
     return Row(program, cells)
 
 
-# How compilers write a position, up to the line number: glslang and Mesa, DXC and fxc, naga and Tint
+# Formats in which compilers write a position, up to the line number: glslang and Mesa, DXC and fxc, naga and Tint
 _PLACE = re.compile(r"(?<![\w.])(?:shader\.(?:vert|frag)|0|bokeh\.hlsl|wgsl):(\d+)(?=[:(])")
 
 

@@ -8,8 +8,8 @@ from bokeh_validation.compilers.tool import CompileResult, Tool
 
 GLSLANG = Tool("glslangValidator", needs.install("glslang"))
 
-# Options of glslangValidator by what the SPIR-V is for. OpenGL: locations and bindings are assigned, since GLSL 330
-# states none. HLSL: the bindings of the WGSL file; the texture shift is added to what --rsb assigns.
+# Options of glslangValidator for each use of the SPIR-V. For OpenGL they assign locations and bindings, since GLSL 330
+# states none. For HLSL they assign the bindings of the WGSL file; the texture shift is added to those that --rsb gives.
 OPENGL = ("-G100", "--aml", "--amb")
 VULKAN = ("-V",)
 _FIRST = REGISTERS["t0"]

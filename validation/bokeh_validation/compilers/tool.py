@@ -11,7 +11,7 @@ from pathlib import Path
 
 from bokeh_validation import process
 
-# Where wheels install Khronos's compilers, next to the compilers' libraries
+# Folder in which wheels install Khronos's compilers, next to the compilers' libraries
 WHEELS = Path(sysconfig.get_path("purelib"), "cmeel.prefix")
 
 TIMEOUT = 30.0  # seconds; these compilers take 0.05

@@ -127,7 +127,7 @@ class Draw(NamedTuple):
 def flattened(
     driver: Driver, passes: Sequence[Pass], textures: Textures, size: tuple[int, int], storage: str
 ) -> tuple[list[Image], list[Draw], dict[str, int]]:
-    """Return the work of `run`: all images, the draws, and name -> number of the image that finally holds it.
+    """Return the work of `run`: all images, the draws, and target name -> number of the image that holds it in the end.
 
     Raises Unavailable if the driver cannot write all targets of a pass at once.
     """
@@ -152,7 +152,7 @@ def flattened(
 
 
 class DeviceDriver(Driver):
-    """Base of drivers that hold their device's textures in this process: osmesa, egl, wgpu, dxc.
+    """Provide `run` for drivers that hold their device's textures in this process: osmesa, egl, wgpu, dxc.
 
     A subclass creates the textures, and prepares for each pass a step that it can draw.
     """

@@ -36,7 +36,7 @@ class D3D9(Driver):
 
     @property
     def precision(self) -> Precision:
-        """Return the precision, with less exact sin and cos than usual.
+        """Return the precision, whose sin and cos are less exact than on other drivers.
 
         For ps_3_0, fxc compiles both as sincos of frac(x / 2 pi + 1/2) 2 pi - pi, which multiplies the rounding of the
         fraction, FLOAT_STEP, by 2 pi.

@@ -49,7 +49,7 @@ _SETTINGS = {item.name for item in fields(methods.Settings)} - {"camera"}
 
 
 class Broken(Exception):
-    """Raised for an invalid capture: what is wrong, in one line."""
+    """Report an invalid capture. The text says in one line what is wrong with it."""
 
 
 @dataclass(frozen=True)

@@ -49,7 +49,7 @@ def leave(sample: browser.Session, folder: Path, kind: str = "") -> None:
 
 
 def opened(name: str, project: Path | None = None) -> browser.Session:
-    """Open the page of a sample; the session's functions are those that capture.js exports. Raises Unavailable.
+    """Open the page of a sample; the session's functions are the exports of capture.js. Raises Unavailable.
 
     project  folder that contains integration/, with node_modules in the sample; None: the checkout, with node_modules
              in the cache folder

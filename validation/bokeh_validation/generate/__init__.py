@@ -128,7 +128,7 @@ def context() -> dict:
 
 
 def presets() -> dict[str, dict[str, float]]:
-    """Return preset -> all of its constants, those of `exact` first, as WGSL pipelines take them."""
+    """Return preset -> its constants, first for `exact`, then for `layered`, in the form that WGSL pipelines take."""
     names = (*methods.EXACT_CONSTANTS, *methods.PRESET_CONSTANTS)
     return {
         name: dict(zip(names, map(float, (*methods.EXACT_PRESETS[name], *values)), strict=True))

@@ -7,7 +7,7 @@ from typing import NamedTuple
 from bokeh_validation.generate import samples
 
 METHODS = ("layered", "exact")
-# What the CoC map reads from the engine, and what the last pass writes
+# Textures of the engine: the two that the CoC map reads; the last pass writes the first one
 COLOR, DEPTH = "color", "depth"
 MAP = "map"
 

@@ -39,7 +39,7 @@ VERTEX = {
     "without a bound vertex array: bind an empty one. Shader model 3 has no vertex index: there it takes a quad of "
     "your own with a position of -1 .. 1.",
 }
-# Parameters whose values only the engine knows; `parameters` has those of the settings, or defaults.
+# Parameters whose values only the engine knows; `parameters` holds the values of the settings, or defaults.
 OVERWRITE = {
     "lens": list(methods.LENS),
     "depth buffer": ["BokehDepthKind", "BokehNear", "BokehFar"],
@@ -75,8 +75,8 @@ def frame(settings: methods.Settings, size: tuple[int, int], viewport: tuple[int
               y must be multiples of every pass's scale; ValueError is raised otherwise
 
     `last_read` is the last pass that reads a texture, null for the result; textures with the same number in `memory`
-    may share a target. Bindings are those of WebGPU and Vulkan, `register` is Direct3D's. `fetches` of a pass is the
-    maximum for one texel of its targets; `fetches` of the frame is per full-size pixel.
+    may share a target. `binding` is for WebGPU and Vulkan, `register` for Direct3D. `fetches` of a pass is the maximum
+    for one texel of its targets; `fetches` of the frame is per full-size pixel.
     """
     plan = methods.plan(settings, viewport[2:] if viewport else size)
     if any("depth" in render_pass.inputs.values() and render_pass.entry != SIGNED_MAP for render_pass in plan.passes):
@@ -250,7 +250,7 @@ def programs(settings: methods.Settings) -> dict[str, dict]:
 
 
 def constants(render_pass: Pass) -> dict[str, float]:
-    """Return the constants that a program is compiled with, apart from the library's defaults and those of the preset.
+    """Return the constants that a program is compiled with, apart from the defaults of the library and of the preset.
 
     Constants with the value 0 have their default and are left out.
     """
@@ -270,10 +270,10 @@ def constants(render_pass: Pass) -> dict[str, float]:
 
 
 def _parameters(passes: tuple[Pass, ...]) -> tuple[dict[str, float], list[dict[str, float]]]:
-    """Return all parameters as most passes have them, and what each pass has differently.
+    """Return the parameters that are the same in all passes, and the parameters in which each pass differs.
 
-    The passes that make the CoC map and metres read only the camera's parameters, so the others are no difference
-    there.
+    The passes that write the CoC map and depth in metres read only the camera's parameters, so their other parameters
+    are not counted as differences.
     """
     filters = [render_pass for render_pass in passes if render_pass.entry not in (LINEAR_DEPTH.entry, *COPYING_ENTRIES)]
     differ = {name for name in PARAMETERS if len({render_pass.values()[name] for render_pass in filters}) > 1}
@@ -324,7 +324,7 @@ def _textures(plan: methods.Plan, size: tuple[int, int]) -> list[dict]:
 
 
 def _is_free(other: dict, texture: dict) -> bool:
-    """Return whether a texture may reuse the memory of another; never that of the result."""
+    """Return whether a texture may reuse the memory of another; the memory of the result is never reused."""
     fits = (other["size"], other["format"]) == (texture["size"], texture["format"])
     return fits and other["last_read"] is not None and other["last_read"] < texture["written"]
 

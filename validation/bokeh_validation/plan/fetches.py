@@ -55,7 +55,7 @@ def lines(render_pass: Pass) -> int:
     if entry.role == GRID:
         return render_pass.samples
     if entry.role == EDGE:
-        # those of the earlier edges' parallelograms too
+        # including the lines of the earlier edges' parallelograms
         return render_pass.constants["BOKEH_TARGET_INDEX"] + 1
     return entry.sides // 2 - 1 if entry.role in (FIRST, SECOND) else 0
 

@@ -1,4 +1,4 @@
-"""Name settings of a frame and tag them with what uses them.
+"""Name settings of a frame and tag them with the tests and commands that use them.
 
 Tests and commands choose settings by tag. The images come from elsewhere: coverage_frames.py, or the test itself.
 """
@@ -277,7 +277,7 @@ SWEEPS = {
         for settings in _exact_and_layered(roundness=roundness, cats_eye=amount)
         if settings.method == "exact" or amount > 0.0
     ],
-    # with one side turned off, and with everything that makes layers
+    # blur on both sides of the focus, then only behind it, then only in front of it; last, everything that layers need
     "focus": [
         Settings(method, "hexagon", 7, camera=CAMERA, spacing=0.0, focus=focus)
         for method in ("paper", "exact", "layered")

@@ -31,7 +31,7 @@ def lit(label: str, aperture: str = "hexagon", **changes) -> Case:
 # ------------------------------------------------------------------------------------------------------------ cat's eye
 
 CATS_EYE = 0.7
-# How far the outline may be off, pixels. The first pass uses the polygons of other pixels, up to half a CoC away and
+# Largest error of the outline, pixels. The first pass uses the polygons of other pixels, up to half a CoC away and
 # half of that on average. Per half diagonal of distance, a side moves by half of CATS_EYE times the width.
 DRIFT = 0.5 * CATS_EYE * COC * (0.25 * COC) / (0.5 * np.hypot(*SIZE))
 

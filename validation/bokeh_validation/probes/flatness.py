@@ -31,7 +31,7 @@ def measured(case: Case, coc: int, picture: np.ndarray) -> tuple[float, float]:
     """Return ripple and overlap of a result (H, W, >= 3) of flat_case().
 
     Ripple is the standard deviation over the mean inside the polygon, without the outer fifth, which half resolution
-    makes soft. Overlap is with the shape that a lens makes of the light.
+    makes soft. Overlap is measured with the shape that a lens gives the light.
     """
     lit = picture[..., 2].astype(np.float64) - AMBIENT
     corners = polygon_of(case.settings.aperture, case.settings.rotation, coc)

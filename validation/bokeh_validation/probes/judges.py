@@ -1,9 +1,10 @@
 """Judge a pass: draw it alone, on inputs made by the reference, and require each target to be in the reference's
 interval.
 
-The interval covers this pass only. From end to end, one rounding step of the stored CoC would be amplified by every
-sample that uses it, and in layered it could decide whether a pixel is near. tests/shaders/test_drivers.py tests that
-passes are chained as planned. Results of the reference are kept on disk (reference/kept.py).
+The interval covers this pass only. If passes were compared from end to end, every sample would amplify one rounding
+step of the stored CoC that it uses, and in layered that step could decide whether a pixel is near.
+tests/shaders/test_drivers.py tests that passes are chained as planned. Results of the reference are kept on disk
+(reference/kept.py).
 """
 
 import re
@@ -23,14 +24,14 @@ from bokeh_validation.reference import pass_images
 from bokeh_validation.shaders.passes import Pass, target_area
 
 Area = tuple[int, int, int, int]
-# For passes without an interval of the reference: the error of float32 and a store, as a relative step of half floats
-# plus their smallest step
+# Interval for a pass that has none from the reference: the error of float32 and of a store, as a relative step of half
+# floats plus their smallest step
 STEP, SMALLEST = 2.0**-10, 2.0**-24
 
 
 @dataclass(frozen=True)
 class Frame:
-    """Hold passes to draw, with what they read.
+    """Hold passes to draw, with the textures that they read.
 
     area      the viewport (x, y, width, height), if the image is a part of its textures
     expected  output -> what must be in it, (H, W, 4), instead of the reference's result
@@ -81,7 +82,7 @@ class Judge:
         }
 
     def objection(self, driver: Driver) -> str:
-        """Return what is wrong with what a driver draws, or ''."""
+        """Return the first objection to a driver's result, or ''."""
         for name, comparison in self.comparisons(driver).items():
             if comparison.outside:
                 return f"{self.item.entry} writes {name!r} with {comparison.outside} wrong pixels of {self.label}"
@@ -91,7 +92,7 @@ class Judge:
 def judges(label: str, frame: Frame, precision: Precision, rounding: str, text: str | None = None) -> list[Judge]:
     """Return a judge for each pass of a frame, for a device of this precision and rounding.
 
-    text  all GLSL files as one text; None: those of the package. Raises KeyError if it lacks something that the
+    text  all GLSL files as one text; None: the package's files. Raises KeyError if it lacks something that the
           frame's passes need
     """
     size, computed, images, result = frame.size, {}, {}, []

@@ -96,7 +96,7 @@ def light_probe(pixels: int) -> Probe:
     return Probe(f"layered-light-{pixels}", title, shows, cases, partial(_judge_lights, pixels), pixels not in (3, 9))
 
 
-# ---------------------------------------------------------------------------- far lights and what is in front of them
+# ----------------------------------------------------------------------------- far lights behind near objects or edges
 
 COC, NEAR_COC = 24, 16
 EDGE = 47  # first column behind the silhouette; odd, so the edge falls inside a texel of the half-size layer

@@ -105,7 +105,7 @@ def depth_of(size: tuple[int, int], metres: float) -> np.ndarray:
 
 
 def overlap(shape: np.ndarray, other: np.ndarray) -> float:
-    """Return the overlap of two shapes: the sum of the pixelwise minimum over that of the maximum."""
+    """Return the overlap of two shapes: the sum of the pixelwise minimum divided by the sum of the maximum."""
     return float(np.minimum(shape, other).sum() / np.maximum(shape, other).sum())
 
 

@@ -1,7 +1,7 @@
-"""Probe layered: near edges over what is in focus.
+"""Probe layered: edges of near objects over a background in focus.
 
-Near objects are red, what is in focus is green, and lights are blue, so that they can be told apart in one image.
-Brightness levels are similar, because the method compares brightness with that of the neighbourhood.
+Near objects are red, objects in focus are green, and lights are blue, so that they can be distinguished in one image.
+Brightness levels are similar, because the method compares a pixel's brightness with its neighbourhood's.
 """
 
 from functools import partial
@@ -23,7 +23,7 @@ INFINITY = float("inf")
 
 
 def metres(coc: float, height: int) -> float:
-    """Return the depth in metres at which the signed CoC is `coc` pixels; `height` is that of the image, pixels."""
+    """Return the depth in metres at which the signed CoC is `coc` pixels; `height` is the image's, in pixels."""
     magnification = CAMERA.focal_length / (CAMERA.focus_distance - CAMERA.focal_length)
     farthest = CAMERA.aperture_diameter * magnification / CAMERA.sensor_height * height
     return CAMERA.focus_distance / (1.0 - coc / farthest)

@@ -28,7 +28,7 @@ def outline(settings: methods.Settings) -> np.ndarray:
 def brute_force(driver: Driver, case: Case, cells: int = BRUTE_CELLS) -> np.ndarray:
     """Gather the polygon of a case with the naive pass, with `cells` samples across; returns (H, W, 4).
 
-    The gather reads the case's own CoC map without its signs, since the maps of methods differ beside lights.
+    The gather reads the case's own CoC map without its signs, since the methods' maps differ next to lights.
     """
     corners = outline(case.settings)
     # points of a square lattice, mirrored as a gather needs them

@@ -42,8 +42,8 @@ def points(aperture: str) -> tuple[tuple[int, int], tuple[int, int]]:
 
 
 def _analytic(aperture: str) -> tuple[np.ndarray, np.ndarray]:
-    """Return two images (H, W) in units of the plateau: the sum of both apertures, and what the paper's method makes
-    of them.
+    """Return two images (H, W) in units of the plateau: the sum of both apertures, and the result of the paper's
+    method.
 
     In the paper's method each parallelogram's blur contains both points before min or max combines them.
     """

@@ -1,4 +1,4 @@
-"""The commands that run a part of the suite: `validation/run probes`, `compile` and `engines`."""
+"""Define the commands that run a part of the suite: `validation/run probes`, `compile` and `engines`."""
 
 import os
 from typing import Annotated

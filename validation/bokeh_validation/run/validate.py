@@ -56,8 +56,8 @@ class Everything:
     """Hold all results of a run.
 
     market    market_7 by every method; None if its driver is missing
-    errors    test that failed without a result that says so -> why
-    left_out  what only the full run includes: name -> how to run it
+    errors    name of a test that failed without handing over a failed result -> message
+    left_out  name of a part that only the full run includes -> how to run it
     """
 
     full: bool
@@ -93,7 +93,7 @@ class Everything:
 
     @property
     def verdict(self) -> str:
-        """Return one line that says whether the shaders are right and what was run to show it."""
+        """Return one line that says whether the shaders are right, and which checks show it."""
         counts, drivers = self.compilation.counts, outcomes.drivers_of(self.probes)
         what_was_run = f"{len(self.probes)} probes on {', '.join(drivers) or 'no driver'}"
         what_was_run += f", {counts[OK]} compilations"
@@ -151,7 +151,7 @@ def _next(results: Everything) -> str:
 
 
 def everything(full: bool, adapter: str | None) -> Everything:
-    """Run the tests that the report is made of; arguments as in validate()."""
+    """Run the tests whose results make up the report; arguments as in validate()."""
     names = REAL if full else BRIEF_DRIVERS
     session.check_adapter(names, adapter)
     chosen_probes = [probe for probe in probes.PROBES if full or probe.brief]

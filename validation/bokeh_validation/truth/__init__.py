@@ -1,4 +1,4 @@
-"""Draw every method on every ray-traced scene, and compare it with what a lens sees there."""
+"""Draw every ray-traced scene with every method, and compare the results with a lens."""
 
 from collections.abc import Mapping, Sequence
 

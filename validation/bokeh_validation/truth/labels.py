@@ -1,4 +1,4 @@
-"""Name what the truth commands compare, as --method takes it."""
+"""Name the methods that the truth commands compare, as --method takes them."""
 
 import numpy as np
 
@@ -28,7 +28,7 @@ def settings(label: str, camera: Camera, aperture: str = "hexagon", **changes) -
 
 
 def picture(driver: Driver, label: str, case: Case) -> np.ndarray:
-    """Draw a case whose settings are those of the label; returns (H, W, >= 3)."""
+    """Draw a case, whose settings must be the label's; returns (H, W, >= 3)."""
     if label == "pinhole":
         return case.color
     return shapes.brute_force(driver, case) if label == "gather" else drawn(driver, case)

@@ -68,7 +68,7 @@ def cats_eye(driver: Driver) -> Drawn:
 
 
 def worst(driver: Driver) -> Drawn:
-    """Draw the worst places of random scenes by layered medium."""
+    """Draw the parts of the random scenes in which layered medium is worst."""
     return {"random_worst": random_score.sheet(random_score.by_processes(["layered medium"], driver.name, None, SEEDS))}
 
 
@@ -110,7 +110,7 @@ def _figure(draw: Callable[[Driver], Drawn], *names: str, stems: Iterable[str] =
 DRAWINGS = (
     Drawing(("focus_pull",), focus_pull, LAYERED, (MARKET.source,)),
     *(Drawing((name,), partial(gallery.gallery, name=name), ALL, (MARKET.source,)) for name in gallery.PICTURES),
-    # a test compares these two with what they are drawn from
+    # a test compares these two with the data that they are drawn from
     Drawing(("frame_graph",), graph, ()),
     Drawing(("flip_by_method",), flip_by_method, ()),
     Drawing(("lights_apart",), gallery.apart, ALL),

@@ -1,7 +1,7 @@
 """Draw the documents' images and record them in docs/data/pictures.json: the command `validation/run pictures`.
 
-A record has the hash of the file, which a test checks, and the digest of what it was drawn with. If that has changed,
-the image is older than its shaders or inputs.
+A record has the hash of the file, which a test checks, and a digest of the shaders and inputs that it was drawn with.
+If that digest has changed, the image is out of date.
 """
 
 import hashlib
@@ -62,7 +62,7 @@ def record(*changed: Path) -> None:
 
 
 def write(drawing: Drawing, drawn: dict, wanted: list[str], folder: Path | None) -> list[Path]:
-    """Write the wanted images of a drawing into a folder, or to their places in docs; returns the files."""
+    """Write the wanted images of a drawing into a folder, or to their folder in docs; returns the files."""
     found, place = [], folder or paths.ROOT / drawing.folder
     for name in (name for name in drawing.names if name in wanted):
         if isinstance(drawn[name], Animation):

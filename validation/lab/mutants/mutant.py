@@ -20,10 +20,10 @@ class Mutant:
     place   function or entry with the mistake; an entry's name ends in _PS or _VS
     change  the statement with the mistake, or what it has become
     texts   path in the shaders' folder -> text of the changed file
-    driver  that must show the mistake
-    common  whether parity must see it, because the languages share the statement
-    frames  to draw; empty: all that use the place
-    argued  why no frame can show it; '' if one can
+    driver  name of the driver that must show the mistake
+    common  whether parity must notice it, because the languages share the statement
+    frames  labels of the frames to draw; empty: all that use the function or entry
+    argued  reason why no frame can show it; '' if one can
     """
 
     name: str

@@ -41,8 +41,8 @@ for pair in f"{PAIRS}, {SWIZZLES}, {MEMBERS}".split(", "):
     first, second = pair.split()
     OTHER |= {first: second, second: first}
 
-# What precedes a number that is reduced by one: a loop that ends early misses a sample, and a first pass that is asked
-# for one line too few fails, while one more would only cost fetches
+# Text in front of a number that is reduced by one. A loop that ends early misses a sample, and a first pass that is
+# asked for one line too few fails; one more would only cost fetches.
 LESS = re.compile(r"(?:< |Bokeh(?:ExactFirst|LayerPolygon)\((?:\w+, )+)\Z")
 GUARDS = r"(?:clamp|abs|BokehSanitize|BokehToTexture|BokehGridCoords|min|max)"
 Types = Mapping[str, str]
@@ -123,7 +123,7 @@ def _types(text: str) -> dict[str, str]:
 
 @cache
 def equivalents() -> dict[tuple[str, str], str]:
-    """Return (place, change) -> why nothing can show it, which is the unindented line above them in equivalents.txt."""
+    """Return (place, change) -> reason why nothing can show it: the unindented line above it in equivalents.txt."""
     found, reason = {}, ""
     for line in EQUIVALENTS.read_text(encoding="utf-8").splitlines():
         if line.startswith(" "):
@@ -160,7 +160,7 @@ def mutants() -> Iterator[Mutant]:
 
 
 def _edits(kind: str, statement: str, types: Types) -> Iterator[str]:
-    """Yield what an operator makes of a statement."""
+    """Yield each variant of a statement that an operator produces."""
     pattern, edit = OPERATORS[kind]
     for found in re.finditer(pattern, statement):
         new = edit(found, types)

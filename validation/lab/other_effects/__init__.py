@@ -67,7 +67,7 @@ def of_scene(name: str, asked: list[str], anew: bool) -> tuple[list[dict], np.nd
     """Measure a scene with effects and this package's methods.
 
     asked  names of the effects
-    anew   whether to search their parameters
+    anew   whether to search for their parameters
     Returns rows, a detail of the scene by every effect as 8-bit rgb, and the effects' parameters.
     """
     (file,) = ray_traced.chosen([name])

@@ -7,11 +7,11 @@ import numpy as np
 from bokeh_validation import pictures
 from lab.rasterised.rasteriser import Lens, Pinhole
 
-# Exposure with which random scenes are displayed; truth has those of the ray-traced ones
+# Exposure with which random scenes are displayed; truth.EXPOSURE is for the ray-traced ones
 RANDOM_EXPOSURE = 0.8
-# From which difference in display values a pixel is a fault
+# Difference in display values from which a pixel is a fault
 LIMITS = {"bright": 0.08, "dark": 0.08, "rough": 0.10}
-# How many pixels a method's result may be displaced
+# Pixels by which a method's result may be displaced
 REACH = 3
 # Below this CoC in pixels, an input with one sample per pixel has staircases, which are no fault of a result this
 # close to it

@@ -42,7 +42,7 @@ class Recording(NamedTuple):
     aliased      one colour sample per pixel, in the middle
     antialiased  many samples per pixel
     jittered     one sample per pixel at a position that differs by frame, starting LEAD frames earlier
-    stable       what temporal anti-aliasing makes of `jittered`, linear (H, W, 3)
+    stable       `jittered` after temporal anti-aliasing, linear (H, W, 3)
     truth        linear (H, W, 3)
     """
 
@@ -110,7 +110,7 @@ def results(driver: Driver, name: str, label: str, recording: Recording) -> dict
 
 
 def _steady(driver: Driver, name: str, label: str, recording: Recording) -> Iterator[np.ndarray]:
-    """Yield what a method makes of resolved colour and jittered depth, with BokehStableMap after its CoC map."""
+    """Yield a method's results from resolved colour and jittered depth, with BokehStableMap after its CoC map."""
     size = recording.stable[0].shape[1::-1]
     colors, history = [pinhole.color for pinhole in recording.jittered[:LEAD]] + recording.stable, None
     for frame, (pinhole, color) in enumerate(zip(recording.jittered, colors, strict=True), -LEAD):

@@ -12,11 +12,11 @@ from bokeh_validation.frame.methods import Camera
 from lab.rasterised.rasteriser import Scene, Thing
 
 FOCAL_LENGTH, SENSOR_HEIGHT = 0.05, 0.024
-# CoC at infinity, minimum and maximum as fractions of the image height; that of the nearest object
+# CoC at infinity, minimum and maximum, and CoC of the nearest object, as fractions of the image height
 SMALLEST, LARGEST, NEAREST_COC = 0.008, 0.30, 0.42
 # Minimum radius of a light, as a fraction of that CoC, so that single points of the lens do not show in it
 LEAST_LIGHT = 0.045
-# From this seed on, scenes have a leaning subject with all lights at its rim, behind leaves
+# Seed from which scenes have a leaning subject with all lights at its rim, behind leaves
 LEANING = 1000
 
 

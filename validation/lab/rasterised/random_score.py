@@ -1,4 +1,4 @@
-"""Score methods on random scenes: FLIP, number of faulty pixels, and the worst places to look at."""
+"""Score methods on random scenes: FLIP, number of faulty pixels, and crops of the worst parts."""
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import astuple
@@ -22,13 +22,15 @@ SIZE, POINTS = (320, 180), 320
 APERTURES = {6: "hexagon", 8: "octagon"}
 # Scenes per job, which share a driver
 PORTION = 5
-# The sheet: size of a place in pixels, its zoom, places per scene and in total, the error that is shown white
+# The sheet of crops: side of a crop in pixels, its zoom, crops per scene and in total, the error that is shown white
 PLACE, ZOOM, PLACES, SHOWN, WHITE = 56, 4, 2, 12, 0.33
 
 
 class Score(NamedTuple):
-    """Hold a method's result on a scene: numbers by name; and the worst places, each with its excess over the limit
-    and images.
+    """Hold a method's result on a scene.
+
+    row     numbers by name
+    places  the worst crops, each with its excess over the limit and its images
     """
 
     row: dict
@@ -69,7 +71,7 @@ def scores(
 
 
 def _worst(row: Mapping, wrong: Mapping[str, np.ndarray], images: Sequence[np.ndarray]) -> list:
-    """Return the worst places, which do not overlap; images: input, result, truth."""
+    """Return the worst crops, which do not overlap; `images` are input, result and truth, (H, W, >= 3)."""
     excess = {name: faults.around(values, 1, np.mean) / faults.LIMITS[name] for name, values in wrong.items()}
     shown, places = [pictures.filmic(image, faults.RANDOM_EXPOSURE) for image in images], []
     error = np.abs(faults.display(images[1]) - faults.display(images[2])).max(axis=-1)
@@ -88,7 +90,7 @@ def _worst(row: Mapping, wrong: Mapping[str, np.ndarray], images: Sequence[np.nd
 
 
 def sheet(found: Sequence[Score]) -> np.ndarray:
-    """Return the worst places of all scores as 8-bit rgb: input, result, truth, error."""
+    """Return the worst crops of all scores as one 8-bit rgb image: input, result, truth, error."""
     places = sorted((place for score in found for place in score.places), key=lambda place: -place[0])
     return pictures.grid([panels for _, panels in places[:SHOWN]])
 

@@ -84,8 +84,8 @@ void main()
 }
 """
 WHOLE = "#version 330\nvoid main() { gl_Position = vec4(ivec2(gl_VertexID & 1, gl_VertexID >> 1) * 4 - 1, 0.0, 1.0); }"
-# "hidden" is what lies behind all of the 3 x 3 pixels around its position in the pinhole's image, or outside that
-# image.
+# A point is "hidden" if it lies behind all of the 3 x 3 pixels around its position in the pinhole's image, or outside
+# that image.
 ADD = f"""#version 330
 uniform sampler2D views, pinhole;
 uniform vec4 points[{VIEWS}]; // of the lens, metres; of the pixel, image heights
@@ -118,10 +118,10 @@ class Thing(NamedTuple):
     """Describe an opaque object with uniform emission; leaves and lights are discs, bars are cards. Lengths are in
     metres, colours linear.
 
-    place   of its middle: right, down and away from the origin
+    place   position of its middle: right, down and away from the origin
     size    half its width and height; for a floor width and depth, for a sphere twice the radius
     other   second colour of a pattern
-    cells   of checks and windows, per half of the width
+    cells   number of checks or windows per half of the width
     turn    rotation in radians, from right to down
     lean    metres away per metre to the right, and down
     sway    amplitude of a swinging rotation, radians
@@ -144,7 +144,7 @@ class Scene(NamedTuple):
 
     eye    position of the camera, as Thing.place
     time   number of the frame, for objects that sway
-    sides  of the aperture, two of which are vertical
+    sides  number of sides of the aperture, two of which are vertical
     """
 
     things: tuple[Thing, ...]
@@ -215,7 +215,7 @@ class Rasteriser:
         """Draw a scene through a pinhole, with one colour sample per pixel or ANTIALIASING of them.
 
         before  the scene at the previous moment, for `moved`
-        place   of the sample in the pixel, pixels from its middle
+        place   position of the sample, pixels from the middle of its pixel
         """
         self._draw(self.pinhole_frame, scene, np.array([(0.0, 0.0, *place)]), before)
         color, moved = map(self._read, self.textures[:2])

@@ -222,7 +222,7 @@ def test_others(worked, beside, name):
 
 
 def test_one_version_of_the_others():
-    """Check that the page has the package versions that its titles name: those of `validation/run peers`."""
+    """Check that the page has the package versions that its titles name, which `validation/run peers` uses."""
     pins = [json.loads((where / "package.json").read_bytes()) for where in (demo.PROJECT, effects.FOLDERS[0])]
     assert pins[0]["dependencies"] == pins[1]["dependencies"]
 

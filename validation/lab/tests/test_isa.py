@@ -1,7 +1,7 @@
 """Compare the RDNA 2 compiler's counts for every pass with recorded ones: the stock.
 
 The compiler is part of the system's Mesa, and other versions count differently, so the stock is for one version:
-`validation/run isa --table validation/lab/tests/isa_stock.tsv` writes it anew.
+`validation/run isa --table validation/lab/tests/isa_stock.tsv` renews it.
 """
 
 import re
@@ -15,7 +15,7 @@ from lab.isa import isa_command
 
 STOCK = Path(__file__).with_name("isa_stock.tsv").read_text(encoding="ascii").splitlines()
 MESA = "22.3.6"  # of the stock and of the documents
-# How much a count may exceed the stock: a compiler may order instructions differently and add a few copies
+# Fraction by which a count may exceed the stock: a compiler may order instructions differently and add a few copies
 TOLERANCE = 0.05
 
 

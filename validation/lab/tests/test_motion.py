@@ -11,8 +11,8 @@ SIZE, POINTS = (240, 136), 96
 
 
 def test_flicker():
-    """Check that a constant error is no flicker, and that an alternating one gives its deviation, and twice that per
-    frame.
+    """Check that a constant error does not count as flicker, and that an alternating error gives its amplitude as
+    deviation, and twice its amplitude as change per frame.
     """
     truth = [np.full((8, 8, 3), 0.5, np.float32)] * 4
     shown = [faults.display(frame) for frame in truth]

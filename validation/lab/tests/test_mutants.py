@@ -1,4 +1,4 @@
-"""Test that mutants fit the shaders and change every function, and that a run tells their outcomes apart."""
+"""Test that mutants fit the shaders and change every function, and that a run distinguishes their outcomes."""
 
 import json
 import os

@@ -105,7 +105,7 @@ def test_older_than_its_shaders(monkeypatch):
 
 
 def test_record(tmp_path, monkeypatch):
-    """Check that a file in a wrong place is refused, and that recording an unchanged file changes nothing."""
+    """Check that a file in a wrong folder is refused, and that recording an unchanged file changes nothing."""
     refused(called("pictures", "--record", tmp_path / "x.png"), ["--record", "no picture"])
     before = pictures_command.RECORD.read_text()
     copy = tmp_path / "pictures.json"
@@ -130,7 +130,7 @@ def test_pictures_of_the_readme():
 
 
 def test_without_npm(tmp_path, monkeypatch):
-    """Check that figures are drawn without npm, with a line on what the photographs need."""
+    """Check that figures are drawn without npm, with a line that says what the photographs need."""
     monkeypatch.setenv("BOKEH_CACHE", str(tmp_path / "cache"))
     monkeypatch.setenv("PATH", str(tmp_path))
     done = called("pictures", "figure_01_a", "figure_13", "--output", tmp_path)

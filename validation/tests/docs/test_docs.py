@@ -43,7 +43,7 @@ def test_links_exist():
 
 
 def test_fetches_of_the_readme():
-    """Compare the README's fetches with those of a hexagon at 1920 x 1080 by `exact` and `layered`, for each preset."""
+    """Compare the README's fetches with the frames of a hexagon at 1920 x 1080, for each method and preset."""
     readme = (paths.ROOT / "README.md").read_text(encoding="utf-8")
     shown = re.findall(r"^\| `BOKEH_PRESET_(\w+)` \| (\d+) \| (\d+) \|$", readme, re.MULTILINE)
     assert [name.lower() for name, *_ in shown] == list(methods.PRESETS)
@@ -63,7 +63,7 @@ def costs(method: str, aperture: str = "hexagon", preset: str = "medium", target
 def test_counts_of_all_pages():
     """Check the numbers of passes and fetches on all pages.
 
-    docs/start.md has those of a frame. Elsewhere, a number called passes or fetches must be that of some frame, or of
+    docs/start.md shows the counts of a frame. Elsewhere, a number of passes or fetches must belong to some frame, or to
     a pass of bokeh_lens.
     """
     start = (paths.ROOT / "docs/start.md").read_text(encoding="utf-8")
@@ -115,7 +115,7 @@ def test_readme_shows_the_sample():
     assert block in (paths.ROOT / "integration/threejs/webgl.js").read_text(encoding="utf-8")
 
 
-# What a user sees, by docs/troubleshooting.md -> the tests that prevent it in this package. Problems without an entry
+# Symptom in docs/troubleshooting.md -> the tests that prevent it in this package. Problems without an entry
 # can only be caused by a user's own engine.
 KEPT = {
     "The image is upside down, or": "test_drivers::test_scenes, test_viewport::test_nothing_leaks_in",

@@ -51,8 +51,8 @@ def test_licence(place):
 
 @pytest.mark.parametrize("line", re.findall(r"^python3 (-m zipfile .*)$", PAGE, re.MULTILINE))
 def test_archives(line, tmp_path):
-    """Check that the page's commands pack files unchanged, without parent folders of what is installed, and with the
-    licence.
+    """Check that the page's commands pack files unchanged, without the parent folders of the files that are installed,
+    and with the licence.
     """
     arguments = shlex.split(line)
     archive, sources = tmp_path / arguments[3], arguments[4:]
@@ -168,7 +168,7 @@ ADDRESS = "https://example.com/owner/polygonal-bokeh"
 
 
 def test_repository(monkeypatch, tmp_path):
-    """Check that the option writes the addresses to every manifest, replacing those of an earlier call."""
+    """Check that the option writes the addresses to every manifest, replacing the addresses of an earlier call."""
     for given in (f"{ADDRESS}-before/", f"{ADDRESS}.git"):
         texts = manifests.with_repository(given)
         for name, text in texts.items():

@@ -29,7 +29,7 @@ def extras() -> set[str]:
 
 
 def test_options():
-    """Check the options of all engines against CHOICES, and those of three.js against its own list of choices."""
+    """Check the options of all engines against CHOICES, and three.js's own options against THREE_CHOICES."""
     assert members("common.d.ts", "Options") == keys("common.js", "CHOICES")
     assert members("three-common.d.ts", "ThreeOptions") == keys("three-common.js", "THREE_CHOICES")
 
@@ -46,7 +46,7 @@ def strings(file: str, name: str) -> set[str]:
 
 
 def test_react():
-    """Check the properties that the React components take besides uniforms: options, those of the lens,
+    """Check the properties that the React components take in addition to uniforms: options, properties of the lens,
     and their own.
     """
     options = members("common.d.ts", "Options") | members("three-common.d.ts", "ThreeOptions")

@@ -41,7 +41,7 @@ def scenes(sample):
 
 @pytest.mark.parametrize("projection", ["perspective", "orthogonal"])
 def test_color_and_depth(scenes, projection):
-    """Check that the first pass reads what Godot drew: colour without its sRGB curve, and the depth that a ray meets.
+    """Check that the first pass reads what Godot drew: linear colour without the sRGB curve, and depth along a ray.
 
     Colour: the inverse of Godot's formula, by pow, which is exp2(2.4 log2(x)). log2 is off by 3 ULP, which is 3 *
     2^-21 for 16 > x > 1/32; times 2.4 it is 7.2 * 2^-21 = 3.4e-6, and with exp2's 3 + 2 * 10 ULP (2.8e-6) less than
@@ -97,7 +97,7 @@ def test_no_frame_late(sample):
 
 
 def test_warnings(sample):
-    """Check the editor's warnings for a node that is no child of a camera, and for sides that paper lacks."""
+    """Check the editor's warnings for a node that is not a child of a camera, and for sides that paper lacks."""
     said = sample.call("warnings", None)
     assert said["right"] == []
     assert [any(word in text for text in said["wrong"]) for word in ("Camera3D", "6 or 8")] == [True, True]

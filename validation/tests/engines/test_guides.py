@@ -119,7 +119,7 @@ public class Run extends Game {
     }
 }
 """
-# How programs in the Direct3D 9 guide begin
+# First lines of the programs in the Direct3D 9 guide
 PASTED = ("float2 texelSize;", "sampler2D ")
 FENCE = re.compile(
     r"^(?P<indent> *)```(?P<language>[^\n`]*)\n(?P<text>.*?)^(?P=indent)```\s*$", re.MULTILINE | re.DOTALL
@@ -148,8 +148,8 @@ def is_quoted(block: str, text: str) -> bool:
 def sources(name: str) -> list[Path]:
     """Return the files that a sample is built from, without Cargo's output.
 
-    They are its own files, those of direct3d9 that direct3d11 shares, those of the npm package for web samples, and
-    the shaders.
+    They are its own files, the files of direct3d9 that direct3d11 shares, the npm package for web samples, and the
+    shaders.
     """
     folders = [INTEGRATION / name, *([direct3d.SHARED] if name == "direct3d11" else [])]
     own = [path for folder in folders for path in folder.rglob("*") if path.is_file()]

@@ -22,7 +22,7 @@ from bokeh_validation.process import find
 from bokeh_validation.truth import ray_traced
 
 GUIDE = paths.ROOT / "integration/reshade"
-# What the archive of docs/publishing.md contains
+# Contents of the archive of docs/publishing.md
 SHADERS = GUIDE / "Shaders"
 # The image is a part of market_7 as large as vkcube's window; CORNER is the window's distance from the screen's corner
 PART, CORNER = (slice(30, 510), slice(160, 800)), 100
@@ -170,7 +170,7 @@ def test_overlay(picture, tmp_path):
     wanted = 127.5 * ((color / 255.0 @ [0.3, 0.6, 0.1])[..., None] + tints)
     wanted[356:364, 156:164] = 255.0
     off = np.abs(shown - wanted).max(axis=-1)
-    # rounding of the distance moves the border between two colours by a pixel in places
+    # rounding of the distance moves the border between two colours by a pixel here and there
     assert (off <= 1.0).mean() >= 0.998, np.bincount(off.astype(int).ravel())
     assert min(kind.mean() for kind in kinds) > 0.05
 

@@ -73,7 +73,7 @@ def test_no_cycle():
     TopologicalSorter({name: imported(name) - {name} for name in MODULES}).prepare()
 
 
-# From the bottom up: a module imports nothing from a later line
+# The layers from the bottom up: a module imports nothing from a later line
 LEVELS = [
     line.split()
     for line in """

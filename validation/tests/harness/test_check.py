@@ -49,8 +49,8 @@ def test_a_comment_draws_nothing(edit, monkeypatch):
 def test_mistakes(edit):
     """Check that mistakes are found.
 
-    A mistake in all languages: no driver draws what the last commit drew. A mistake in one language, behind a
-    constant: its result is not what its own GLSL allows either, and parity reports it.
+    If the same mistake is in all languages, no driver draws what the last commit drew. If a mistake is in one language,
+    behind a constant, its result is outside the interval of the current GLSL too, and parity reports it.
     """
     edit("bokeh", "CoC = -CoC;", "CoC = CoC;")
     edit("bokeh_layers", "sum *= BokehEdgeArea", "sum += BokehEdgeArea", ["hlsl"])

@@ -1,4 +1,4 @@
-"""Test that files are written whole or not at all, and never replace something that is no plain file."""
+"""Test that files are written whole or not at all, and never replace anything except a plain file."""
 
 import os
 import stat

@@ -29,7 +29,7 @@ METHODS = {
     "exact, spacing 1": methods.Settings("exact", "hexagon", camera=WIDE, spacing=1.0),
     "exact, spacing 2, at most 4": methods.Settings("exact", "octagon", camera=WIDE, spacing=2.0, samples=4),
 }
-# besides egl, one driver per language on the two methods whose sample count follows the CoC
+# every method on egl, and one driver per other language on the two methods whose sample count follows the CoC
 RUNS = [("egl", name) for name in METHODS] + [(d, n) for d in LANGUAGES[1:] for n in METHODS if "spacing 1" in n]
 
 

@@ -66,8 +66,8 @@ def test_nearer_to_the_truth_than_brute_force(scene, better):
     """Check that a hexagon is nearer to the ray-traced truth than the brute-force gather, and `better` dB above the
     paper.
 
-    The brute-force gather is no reference here, because `exact` weights a sample by its own CoC and the gather does
-    not.
+    The brute-force gather cannot serve as a reference here, because `exact` weights a sample by the sample's CoC and
+    the gather does not.
     """
     driver = load("egl")
     chosen = next(s for s in ray_traced.DRIVER_SCENES if s.name == scene)

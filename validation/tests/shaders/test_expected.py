@@ -4,7 +4,7 @@ written.
 The reference of layered is its own GLSL, so a mistake made in all languages would be in the reference too. Here each
 pass is compared with stored images, starting from the stored inputs.
 
-After an intended change, write them anew and say in the commit why they changed:
+After an intended change, write new ones and say in the commit why they changed:
 
     BOKEH_WRITE_EXPECTED=1 validation/test validation/tests/shaders/test_expected.py
 """

@@ -105,8 +105,7 @@ def test_bad_depth_of_every_convention(kind, driver):
     """Check that any number goes through its formula, and the result is treated like metres in docs/inputs.md.
 
     Tolerances at the ends of the range: perspective formulas lose far / near there; with the logarithm a 1 is
-    subtracted again. If far - near equals far in float32, the result is still finite, and so is that of a far plane at
-    infinity.
+    subtracted again. The result is finite even if far - near equals far in float32, or if the far plane is at infinity.
     """
     wanted = listings.linear_depth(BAD.astype(np.float64), kind, NEAR, FAR)
     atol = LOGARITHM_ROUNDINGS if kind == 8 else 0.0
@@ -209,8 +208,8 @@ def test_glass_with_a_coc_of_its_own(method):
     """Check recipe 3 of docs/inputs.md: drawing the CoC into the map's alpha is bit-identical to using the glass's
     depth.
 
-    No pixel is 1.3 times as bright as its neighbour: beside a light, and on its rim, the map has the light's CoC, which
-    the recipe does not draw.
+    In this image no pixel is 1.3 times as bright as its neighbour, because next to a light and on its rim the map has
+    the light's CoC, which the recipe does not draw.
     """
     case, driver = noise_case((48, 32), methods.Settings(method, "hexagon", camera=CAMERA)), load("egl")
     case.color[..., :3] = 4.0 + 0.5 * case.color[..., :3].clip(0.0, 2.0)

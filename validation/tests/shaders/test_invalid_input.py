@@ -272,8 +272,8 @@ def test_a_spacing_that_is_none_is_the_presets(driver):
     assert differing(found[3.0], found[1.5]).mean() > 0.1
 
 
-# Rows of docs/inputs.md, Bad input: what goes in -> what it is treated as. The numbers are tested above: those of
-# COLOR and DEPTH by test_bad_pixels_count_as_documented, those of parameters by EQUIVALENTS.
+# Rows of docs/inputs.md, Bad input: invalid value -> value that replaces it. The numbers are tested above: COLOR and
+# DEPTH by test_bad_pixels_count_as_documented, parameters by EQUIVALENTS.
 PAGE_ROWS = {
     "colour NaN, negative; +infinite": "{color_nan:g}; {color_infinite:g}",
     "depth NaN, 0, negative; above {most_depth:.0f} m, infinite": "{depth_nan:f} m; {depth_infinite:.0f} m",

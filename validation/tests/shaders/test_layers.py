@@ -161,9 +161,10 @@ def test_layered_moving_edge(driver):
 def test_layered_moving_light(near, driver):
     """Check how much the light of a disc of 3 pixels flickers, drawn by area and moved by 1/8 pixel per frame.
 
-    A near one keeps 0.99 to 1.01 of its light like an isolated light, so frames differ by at most 0.02. Of a far one
-    the silhouette hides a part: what shows is the polygon's part there, times up to 2 (see the probe). In 1/8 pixel
-    that changes by the width of the polygon over its area, again times 2, in addition to the 0.02.
+    A near light keeps 0.99 to 1.01 of its light like an isolated light, so frames differ by at most 0.02. The
+    silhouette hides a part of a far light: it shows at most twice the light of the polygon's visible part (see the
+    probe). In 1/8 pixel that part changes by an eighth of the polygon's width over its area; the bound is twice that,
+    in addition to the 0.02.
     """
     kept, (width, height) = [], near_edges.SIZE
     for place in MOVES:

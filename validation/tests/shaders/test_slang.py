@@ -1,4 +1,4 @@
-"""Draw what Slang makes of the HLSL: its WGSL must be within the reference's interval in every pass.
+"""Draw the WGSL that Slang compiles from the HLSL: it must be within the reference's interval in every pass.
 
 WGSL is used, because naga misreads the nested loops in Slang's SPIR-V; DXC's SPIR-V has different ones.
 """

@@ -15,16 +15,16 @@ from bokeh_validation.truth import ray_traced
 SCENES = {scene.name: scene for scene in ray_traced.SCENES}
 # Maximum FLIP of MEDIUM, below every other method of docs/results.md
 BOUNDS = {"street_11": 0.035, "canopy_12": 0.137, "street_11x3": 0.091, "canopy_12x3": 0.265, "market_7": 0.177}
-# What `validation/run truth --json` wrote, and how far FLIP may be from it: it repeats exactly on one version of Mesa,
-# the margin is for others. This notices constants that matter in these scenes, even if they are changed in all three
-# languages and with expected images written anew (sigma 0.0375 to 0.06: market_7 changes by 0.0104). It does not
-# notice the far layer's ramp (10 to 14 instead of 16: 0.0001), which test_expected.py and constants.txt cover.
+# Rows that `validation/run truth --json` wrote. FLIP may differ from them by SAME: it repeats exactly on one version of
+# Mesa, so the margin is for other versions. This notices a change of a constant that matters in these scenes, even if
+# it is made in all three languages and with new expected images (sigma 0.0375 to 0.06: market_7 changes by 0.0104). It
+# does not notice the far layer's ramp (10 to 14 instead of 16: 0.0001), which test_expected.py and constants.txt cover.
 RECORDED = {
     (row["scene"], row["label"]): row
     for row in json.loads((paths.ROOT / "docs/data/truth.json").read_text(encoding="utf-8"))["rows"]
 }
 SAME = 0.0005
-# How far FLIP of the octagon against its truth may be from the hexagon's
+# Largest difference of FLIP between the octagon and the hexagon, each against its own truth
 OCTAGON_OFF = 0.006
 
 

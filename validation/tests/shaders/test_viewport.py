@@ -60,8 +60,8 @@ def test_nothing_leaks_in(name, driver):
     """Check that targets are within the reference's interval inside the viewport and unchanged outside it.
 
     Around the image every texture is NaN. layered, cat's eye and lateral colour are compared pass by pass, each with
-    the device's own inputs. The interval is that of the image alone, widened by the slope times 1/128 texel, the
-    distance that fetches keep from the surroundings.
+    the device's own inputs. The interval is computed for the image alone, then widened by the slope times 1/128
+    texel, the distance that fetches keep from the surroundings.
     """
     settings, size, viewport = CASES[name]
     image = noise_case(viewport[2:], settings)
@@ -99,7 +99,7 @@ def test_nothing_leaks_in(name, driver):
 
 
 def test_debug_views_and_linear_depth(driver):
-    """Compare debug views and linear depth of a part with those of the same image in a texture of its size."""
+    """Compare debug views and linear depth of a part with the same image in a texture of its own size."""
     image = noise_case(VIEWPORT[2:], Settings())
     textures = {"color": image.color, "depth": image.depth}
     whole = {name: framed(pixels, SIZE, VIEWPORT) for name, pixels in textures.items()}

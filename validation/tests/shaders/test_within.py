@@ -29,7 +29,7 @@ def test_every_entry(method, driver):
 
 
 def test_every_entry_is_there():
-    """Check that those frames have all entries, except those of test_inputs.py, test_drivers.py and test_steady.py."""
+    """Check that these frames draw all entries but the ones of test_inputs.py, test_drivers.py and test_steady.py."""
     drawn = {
         item.entry
         for settings in cases.tagged(cases.ENTRIES).values()
@@ -77,7 +77,7 @@ IMAGES = ("plane", "near over far", "cones", "ragged", "black", "large", "layere
 
 @pytest.mark.parametrize("driver", LANGUAGES, indirect=True)
 def test_images_of_layered(driver):
-    """Draw images that reach special branches: those of `check` and mutants.
+    """Draw the images of `check` and of the mutants, which reach special branches.
 
     The last one has 1 / (1 / 122), which exceeds 122 in float32: carelessly rounded up, half of it would be 62 texels.
     """
