@@ -37,13 +37,12 @@ class Image:
         """Return the image with another one drawn into a rectangle of it."""
         fields = []
         for name in ("value", "error", "undecided"):
-            drawn, whole = getattr(part, name), getattr(self, name)
-            if drawn is not None:
-                whole = (
-                    np.zeros((*self.value.shape[:2], *drawn.shape[2:]), drawn.dtype) if whole is None else whole.copy()
-                )
-                whole[rows, columns] = drawn
-            fields.append(whole)
+            new, combined = getattr(part, name), getattr(self, name)
+            if new is not None:
+                empty = np.zeros((*self.value.shape[:2], *new.shape[2:]), new.dtype)
+                combined = empty if combined is None else combined.copy()
+                combined[rows, columns] = new
+            fields.append(combined)
         return Image(*fields)
 
 

@@ -10,7 +10,7 @@ from bokeh_validation.reference.intervals import FUNCTION, Interval, interval
 
 
 class FromUniform(int):
-    """Mark an integer that came from a uniform: what follows from it is computed by the device, not by the compiler."""
+    """Mark an integer that came from a uniform: the device, not the compiler, computes with it."""
 
 
 def _either(of_numbers: Callable, of_intervals: Callable | None = None) -> Callable:

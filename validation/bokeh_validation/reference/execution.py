@@ -54,7 +54,7 @@ class Texture:
         return near.reshape(-1, near.shape[2]), wide.reshape(-1, near.shape[2])
 
     def off(self, uv: Interval) -> np.ndarray:
-        """Return how far off a position may be in texels, (2, pixels): from uv, its product with the size, and the
+        """Return the largest error of a position in texels, (2, pixels), from uv, its product with the size, and the
         sampler.
         """
         size = np.array(self.image.size)[:, None]
@@ -66,12 +66,12 @@ class Texture:
         value = np.ascontiguousarray(sampling.bilinear(self.image.value, x, y).T)
         if self.precision is None:
             return Interval(value)
-        texel, off, (near, wide) = sampling.nearest_index(x, y, self.image.size), self.off(uv), self.around
-        farthest = off.max(axis=0)
-        error = _error(near[texel], off)
-        beyond = farthest > 0.5
-        if beyond.any():
-            error[:, beyond] = _error(wide[texel[beyond]], off[:, beyond])
+        texel, offsets, (near, wide) = sampling.nearest_index(x, y, self.image.size), self.off(uv), self.around
+        farthest = offsets.max(axis=0)
+        error = _error(near[texel], offsets)
+        is_far = farthest > 0.5
+        if is_far.any():
+            error[:, is_far] = _error(wide[texel[is_far]], offsets[:, is_far])
             # the slopes say nothing about positions that are farther off
             error[:, farthest > 1.5] = np.inf
         return Interval(value, value - error, value + error)
@@ -80,13 +80,13 @@ class Texture:
         """Fetch the nearest texel; if devices may choose different ones, the interval covers them. May be NaN."""
         if self.is_linear:
             return self.linear(uv)
-        place = uv.value * np.array(self.image.size)[:, None]
-        texel = sampling.nearest_index(*place, self.image.size)
+        position = uv.value * np.array(self.image.size)[:, None]
+        texel = sampling.nearest_index(*position, self.image.size)
         value = self.value[texel].T
         if self.precision is None:
             return Interval(value)
-        off = self.off(uv)
-        first, last = place - off, place + off
+        offsets = self.off(uv)
+        first, last = position - offsets, position + offsets
         if self.error is None and (np.floor(first) == np.floor(last)).all():
             return Interval(value)
         low, high = value, value
@@ -103,13 +103,13 @@ class Texture:
         return Interval(texel.value[0], texel.low[0], texel.high[0])
 
 
-def _error(around: np.ndarray, off: np.ndarray) -> np.ndarray:
-    still, across, down = around.T.reshape(3, -1, off.shape[1])
-    return still + off[0] * across + off[1] * down
+def _error(bounds: np.ndarray, offsets: np.ndarray) -> np.ndarray:
+    still, across, down = bounds.T.reshape(3, -1, offsets.shape[1])
+    return still + offsets[0] * across + offsets[1] * down
 
 
 def run_pass(
-    item: Pass,
+    render_pass: Pass,
     inputs: Mapping[str, Image],
     size: tuple[int, int],
     precision: Precision | None,
@@ -120,29 +120,31 @@ def run_pass(
     inputs     slot -> texture
     size       (width, height) of the targets
     precision  of the device; None: no errors are computed
-    text       all GLSL files as one text; None: those of the package
+    text       all GLSL files as one text; None: the package's files
     """
-    entry = item.spec
+    entry = render_pass.spec
     width, height = size
     textures = {
         f"Bokeh{slot}": Texture(image, precision, is_linear(entry.name, slot)) for slot, image in inputs.items()
     }
-    uniforms = {name: interval(value) for name, value in item.given().items()}
+    uniforms = {name: interval(value) for name, value in render_pass.given().items()}
     library = glsl.library(text or shaders.text("glsl"))
     # the caller has already cropped the textures to the viewport
-    given = {**uniforms, **item.constants, "BOKEH_VIEWPORT": 0, **{name: name for name in textures}}
+    scope = {**uniforms, **render_pass.constants, "BOKEH_VIEWPORT": 0, **{name: name for name in textures}}
 
     def part(start: int) -> tuple[list[Interval], np.ndarray]:
         pixels = np.arange(start, min(start + PIXELS, width * height))
         uv = np.stack([(pixels % width + 0.5) / width, (pixels // width + 0.5) / height])
-        place = Interval(uv, uv - UV, uv + UV) if precision else Interval(uv)
-        run = Run(library, {**given, "BokehUV": place}, textures, precision.line if precision else 0.0, len(pixels))
+        uv_interval = Interval(uv, uv - UV, uv + UV) if precision else Interval(uv)
+        run = Run(
+            library, {**scope, "BokehUV": uv_interval}, textures, precision.line if precision else 0.0, len(pixels)
+        )
         written = run.main(entry.name)
         return [written[name].spread(len(pixels)) for name in RESULTS[: entry.targets]], run.undecided
 
     with ThreadPoolExecutor(THREADS) as pool:
         parts = list(pool.map(part, range(0, width * height, PIXELS)))
-    undecided = np.concatenate([part[1] for part in parts]).reshape(height, width) & (not entry.layers)
+    undecided = np.concatenate([chunk[1] for chunk in parts]).reshape(height, width) & (not entry.layers)
     for image in inputs.values():
         if image.undecided is not None and image.size == size:
             undecided = undecided | image.undecided
@@ -151,8 +153,8 @@ def run_pass(
 
 def _image(parts: list[Interval], undecided: np.ndarray, precision: Precision | None) -> Image:
     shape = (*undecided.shape, 4)
-    value = np.concatenate([part.value.T for part in parts]).reshape(shape)
+    value = np.concatenate([chunk.value.T for chunk in parts]).reshape(shape)
     if precision is None:
         return Image(value)
-    error = np.concatenate([part.error.T for part in parts]).reshape(shape)
+    error = np.concatenate([chunk.error.T for chunk in parts]).reshape(shape)
     return Image(value, np.where(np.isnan(error), np.inf, error), undecided)

@@ -25,7 +25,7 @@ class Function(NamedTuple):
 
 
 class Library:
-    """Hold what the interpreter runs: the text of all files, whose functions are parsed on their first call."""
+    """Hold the text of all GLSL files for the interpreter; a function is parsed on its first call."""
 
     def __init__(self, text: str):
         self.text = text

@@ -40,10 +40,10 @@ def _rotated(direction: Interval, axis: Interval) -> Interval:
     """Compute `BokehRotated` with an error that does not grow with each rotation."""
     (x, y), (c, s) = direction.value, axis.value
     value = np.stack([x * c - y * s, x * s + y * c])
-    before = np.hypot(*direction.error) if direction.turned is None else direction.turned
+    error_before = np.hypot(*direction.error) if direction.turned is None else direction.turned
     turn = np.hypot(*axis.error)
-    off = before * (1.0 + turn) + np.hypot(x, y) * (turn + 3 * FLOAT_STEP)
-    return Interval(value, value - off, value + off, off)
+    error_after = error_before * (1.0 + turn) + np.hypot(x, y) * (turn + 3 * FLOAT_STEP)
+    return Interval(value, value - error_after, value + error_after, error_after)
 
 
 # ----------------------------------------------------------------------------------------------------------- the text
@@ -141,7 +141,7 @@ class _Call:
             if is_floor and self.two_sided(node, nodes[index + 1 :], variables):
                 return
 
-    def two_sided(self, node: c_ast.Decl, rest: Sequence[c_ast.Node], variables: Variables) -> bool:
+    def two_sided(self, node: c_ast.Decl, following: Sequence[c_ast.Node], variables: Variables) -> bool:
         """Run the rest of a block for both sides of a whole number; returns False, without running it, if the side is
         not open.
         """
@@ -151,28 +151,31 @@ class _Call:
         if not is_open.any():
             return False
         other_side = floor.low + floor.high - floor.value
-        before, here = dict(variables), self.here
+        saved, reached = dict(variables), self.here
         for sides in product((False, True), repeat=len(is_open)):
             swapped = np.array(sides)[:, None]
             side = np.where(swapped & is_open, other_side, floor.value)
             low = np.where(is_open, np.maximum(number.low, side), number.low)
             high = np.where(is_open, np.minimum(number.high, side + 1.0), number.high)
             limits = np.where(is_open, side, floor.low), np.where(is_open, side, floor.high)
-            after = before | {
+            branch_variables = saved | {
                 name: Interval(side, *limits),
                 source: Interval(np.clip(number.value, low, high), low, high),
             }
-            self.here = here & (is_open | ~swapped).all(axis=0)
+            self.here = reached & (is_open | ~swapped).all(axis=0)
             if not self.here.any():
                 continue
-            self.sequence(rest, after)
+            self.sequence(following, branch_variables)
             if not swapped.any():
-                variables |= after
+                variables |= branch_variables
             else:
                 # these pixels get the interval around both sides
-                other = Condition(np.ones_like(here), ~self.here, np.ones_like(here))
-                variables |= {k: chosen(other, variables[k], after[k]) for k in set(before) - {name, source}}
-        self.here, variables[source] = here, number
+                other_pixels = Condition(np.ones_like(reached), ~self.here, np.ones_like(reached))
+                variables |= {
+                    variable: chosen(other_pixels, variables[variable], branch_variables[variable])
+                    for variable in set(saved) - {name, source}
+                }
+        self.here, variables[source] = reached, number
         return True
 
     def _DeclList(self, node: c_ast.DeclList, variables: Variables) -> None:
@@ -201,33 +204,35 @@ class _Call:
     def _If(self, node: c_ast.If, variables: Variables) -> None:
         where = self.value(node.cond, variables)
         if isinstance(where, bool):
-            taken = node.iftrue if where else node.iffalse
-            if taken is not None:
-                self.visit(taken, variables)
+            branch = node.iftrue if where else node.iffalse
+            if branch is not None:
+                self.visit(branch, variables)
         elif _breaks(node.iftrue):
             self.leave(where, variables)
         else:
             yes = self.branch(node.iftrue, variables, where.possible)
             no = self.branch(node.iffalse, variables, ~where.sure)
             # a branch that no pixel takes may leave a struct without members
-            one = no if not (self.here & where.possible).any() else yes if not (self.here & ~where.sure).any() else None
-            variables |= one or {name: chosen(where, yes[name], no[name]) for name in variables}
+            only_branch = (
+                no if not (self.here & where.possible).any() else yes if not (self.here & ~where.sure).any() else None
+            )
+            variables |= only_branch or {name: chosen(where, yes[name], no[name]) for name in variables}
             if self.name in LEAKAGE and isinstance(variables["weight"], Interval):
                 weight = variables["weight"]
                 self.undecided(where.possible & ~where.sure & (weight.low < weight.high)[0])
 
     def branch(self, node: c_ast.Node | None, variables: Variables, where: np.ndarray) -> Variables:
         """Return all variables after a branch, run for the pixels `where`."""
-        after, here = dict(variables), self.here
-        self.here = here & where
+        branch_variables, reached = dict(variables), self.here
+        self.here = reached & where
         if node is not None and self.here.any():
-            self.visit(node, after)
-        self.here = here
-        return after
+            self.visit(node, branch_variables)
+        self.here = reached
+        return branch_variables
 
     def _For(self, node: c_ast.For, variables: Variables) -> None:
-        known, outer, here = set(variables), self.loop, self.here
-        loop = self.loop = _Loop(np.ones_like(here))
+        names_before, outer_loop, reached = set(variables), self.loop, self.here
+        loop = self.loop = _Loop(np.ones_like(reached))
         self.visit(node.init, variables)
         while (going := self.value(node.cond, variables)) is not False:
             if going is not True:
@@ -240,8 +245,8 @@ class _Call:
             self.value(node.next, variables)
         for where, left_with in reversed(loop.exits):
             variables |= {name: chosen(where, value, variables[name]) for name, value in left_with.items()}
-        self.loop, self.here = outer, here
-        for name in set(variables) - known:
+        self.loop, self.here = outer_loop, reached
+        for name in set(variables) - names_before:
             del variables[name]
 
     def leave(self, where: Condition, variables: Variables) -> None:
@@ -263,9 +268,9 @@ class _Call:
         return int(node.value) if node.type == "int" else float(node.value)
 
     def _ID(self, node: c_ast.ID, variables: Variables):
-        for known in (variables, self.run.given, self.run.library.constants):
-            if node.name in known:
-                return known[node.name]
+        for scope in (variables, self.run.given, self.run.library.constants):
+            if node.name in scope:
+                return scope[node.name]
         return {"true": True, "false": False}[node.name]
 
     def _BinaryOp(self, node: c_ast.BinaryOp, variables: Variables):
@@ -313,8 +318,8 @@ class _Call:
             function, angle = getattr(np, name), arguments[0]
             if not isinstance(angle, Interval):
                 return float(function(angle))
-            value, off = function(angle.value), angle.error + self.run.line
-            return Interval(value, value - off, value + off)
+            value, error = function(angle.value), angle.error + self.run.line
+            return Interval(value, value - error, value + error)
         if name in FUNCTIONS:
             return FUNCTIONS[name](*arguments)
         function, call = self.run.library.function(name), _Call(self.run, self.here, name)

@@ -25,9 +25,9 @@ OPERATION, DIVISION, FUNCTION = 4 * FLOAT_STEP, 6 * FLOAT_STEP, 2.0**-21
 class Interval:
     """Hold numbers of many pixels: (components, pixels), or (components, 1) if all pixels have the same.
 
-    value      as float64 computes it
-    low, high  limits; None: exact
-    turned     for a direction: the length of its error, (pixels,); the limits alone would grow with each rotation
+    value      the numbers as float64 computes them
+    low, high  limits, of the same shape; None: exact
+    turned     length of a direction's error, (pixels,); the limits alone would grow with each rotation
     """
 
     value: np.ndarray
@@ -98,8 +98,8 @@ class Interval:
         return Interval(np.abs(self.value), low, np.maximum(self.high, -self.low))
 
     def __lt__(self, other):
-        """Compare; NaN may be smaller or not: Direct3D 9 says it is, IEEE 754 it is not, GLSL and WGSL
-        leave it open.
+        """Compare. NaN may be smaller or not: Direct3D 9 says that it is, IEEE 754 that it is not; GLSL and WGSL do not
+        say.
         """
         return condition(self.value < other.value, self.high < other.low, ~(self.low >= other.high))
 
@@ -162,9 +162,9 @@ def _either(function, a: Interval, b: Interval) -> Interval:
 
 def growing(function: Callable, number: Interval, share: float | np.ndarray = 0.0, least: float = 0.0) -> Interval:
     """Apply a monotonically increasing function, with an error of `share` times its value plus `least`."""
-    found = Interval(*(function(limit) for limit in (number.value, number.low, number.high)))
-    error = np.abs(found.value) * share + least
-    return Interval(found.value, found.low - error, found.high + error)
+    image = Interval(*(function(limit) for limit in (number.value, number.low, number.high)))
+    error = np.abs(image.value) * share + least
+    return Interval(image.value, image.low - error, image.high + error)
 
 
 def side_by_side(parts: Sequence[Interval | float]) -> Interval:
@@ -182,7 +182,7 @@ def side_by_side(parts: Sequence[Interval | float]) -> Interval:
 
 @dataclass(frozen=True)
 class Condition:
-    """Hold for each pixel, (pixels,) bool, whether a condition is true in float64, on every device, on some device."""
+    """Hold for each pixel, (pixels,) bool, whether a condition is true: in float64, on every device, on any device."""
 
     value: np.ndarray
     sure: np.ndarray

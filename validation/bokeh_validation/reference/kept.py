@@ -34,7 +34,7 @@ CODE = ("reference", "numerics", "shaders/passes.py", "shaders/entries.py", "sha
 
 
 def run_pass(
-    item: Pass,
+    render_pass: Pass,
     inputs: Mapping[str, Image],
     size: tuple[int, int],
     precision: Precision | None,
@@ -42,26 +42,26 @@ def run_pass(
 ) -> list[Image]:
     """Return the result of execution.run_pass(), from the cache if it is there."""
     if size[0] * size[1] > MOST_PIXELS or os.environ.get("BOKEH_REFERENCE_ANEW"):
-        return execution.run_pass(item, inputs, size, precision, text)
-    given = item, inputs, size, precision, text or shaders.text("glsl")
-    made = list(_ingredients(*given))
+        return execution.run_pass(render_pass, inputs, size, precision, text)
+    arguments = render_pass, inputs, size, precision, text or shaders.text("glsl")
+    ingredients = list(_ingredients(*arguments))
     for _ in range(2):
-        file = locks.kept(FOLDER, ".npz", made, lambda: _written(execution.run_pass(*given)))
+        file = locks.kept(FOLDER, ".npz", ingredients, lambda: _written(execution.run_pass(*arguments)))
         try:
-            return _read(file, item.spec.targets)
+            return _read(file, render_pass.spec.targets)
         except (OSError, ValueError, KeyError, EOFError, zipfile.BadZipFile):
             # incomplete, or deleted by another process that made room: compute it again
             file.unlink(missing_ok=True)
     raise RuntimeError(f"{file}: was deleted twice while it was read")
 
 
-def _ingredients(item: Pass, inputs: Mapping[str, Image], size, precision, text: str) -> Iterator[bytes]:
+def _ingredients(render_pass: Pass, inputs: Mapping[str, Image], size, precision, text: str) -> Iterator[bytes]:
     """Yield everything that a pass's targets depend on."""
     library = glsl.library(text)
-    program = calls.program(text, f"{item.entry}_PS", frozenset(item.constants.items()))
+    program = calls.program(text, f"{render_pass.entry}_PS", frozenset(render_pass.constants.items()))
     yield _code()
-    numbers = [sorted(values.items()) for values in (library.constants, item.constants, item.given())]
-    yield repr((item.entry, sorted(program.items()), sorted(library.structs), numbers, size, precision)).encode()
+    numbers = [sorted(values.items()) for values in (library.constants, render_pass.constants, render_pass.given())]
+    yield repr((render_pass.entry, sorted(program.items()), sorted(library.structs), numbers, size, precision)).encode()
     for slot, image in sorted(inputs.items()):
         fields = [image.value, image.error, image.undecided]
         yield repr((slot, [None if field is None else (field.shape, field.dtype.str) for field in fields])).encode()
@@ -71,17 +71,17 @@ def _ingredients(item: Pass, inputs: Mapping[str, Image], size, precision, text:
 @cache
 def _code() -> bytes:
     """Return a digest of the code of the reference and of NumPy's version."""
-    here = Path(__file__).parents[1]
-    places = [here / name for name in CODE]
-    texts = [file for place in places for file in (sorted(place.glob("*.py")) if place.is_dir() else [place])]
+    package = Path(__file__).parents[1]
+    code_paths = [package / name for name in CODE]
+    texts = [file for path in code_paths for file in (sorted(path.glob("*.py")) if path.is_dir() else [path])]
     return locks.digest([np.__version__, *texts]).encode()
 
 
 def _read(file: Path, targets: int) -> list[Image]:
     """Read the images of a file; raises np.load's errors if it is missing or incomplete."""
-    with np.load(file) as kept:
+    with np.load(file) as archive:
         images = [
-            Image(kept[f"value{k}"], *(kept[f"error{k}"], kept["undecided"]) if "undecided" in kept else ())
+            Image(archive[f"value{k}"], *(archive[f"error{k}"], archive["undecided"]) if "undecided" in archive else ())
             for k in range(targets)
         ]
     os.utime(file)
@@ -103,12 +103,12 @@ def _written(images: list[Image]) -> bytes:
 @once
 def _make_room() -> None:
     """Delete the files that were not read for longest, once per process that writes."""
-    found = []
+    files_by_age = []
     for entry in os.scandir(paths.ensured(paths.cache_folder() / FOLDER)):
         with suppress(FileNotFoundError):
-            found.append((entry.stat().st_mtime, entry.stat().st_size, entry.path))
-    total = sum(size for _, size, _ in found)
-    for _, size, path in sorted(found):
+            files_by_age.append((entry.stat().st_mtime, entry.stat().st_size, entry.path))
+    total = sum(size for _, size, _ in files_by_age)
+    for _, size, path in sorted(files_by_age):
         if total <= MOST * 3 // 4:
             break
         with suppress(FileNotFoundError):

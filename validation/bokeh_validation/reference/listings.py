@@ -67,7 +67,7 @@ def linear_depth(depth: np.ndarray, kind: int, near: float, far: float) -> np.nd
 
 
 def stored_depth(metres: np.ndarray, kind: int, near: float, far: float) -> np.ndarray:
-    """Return what a depth buffer stores for a distance in metres, float64: the inverse of linear_depth()."""
+    """Return the value that a depth buffer stores for a depth in metres, float64: the inverse of linear_depth()."""
     return {
         0: lambda: metres,
         1: lambda: far * (metres - near) / (metres * (far - near)),

@@ -21,7 +21,7 @@ VIEWPORT_INSET = 1.0 / 128.0
 
 
 class Alone(NamedTuple):
-    """Hold the targets of passes that each read what the reference computed and stored for the passes before.
+    """Hold the targets of passes drawn alone: each reads what the reference computed and stored for earlier passes.
 
     made     target -> (H, W, 4) of the storage, rounded to nearest
     allowed  target -> interval of that pass alone
@@ -45,13 +45,13 @@ def images(
 
     rounding  how the targets round, see images.stored
     given     name -> a device's content of a target, which later passes read instead of the computed one; each
-              interval is then that of one pass
+              interval then covers one pass only
     Returns target -> image.
     """
     frame, results = _Frame(textures, size), {}
-    for item in passes:
-        for name, image in frame.drawn(item, precision).items():
-            results[name] = frame.keep(item, name, stored(image, STORAGE[storage], rounding))
+    for render_pass in passes:
+        for name, image in frame.drawn(render_pass, precision).items():
+            results[name] = frame.keep(render_pass, name, stored(image, STORAGE[storage], rounding))
             if given is not None and name in given:
                 frame.live[name] = Image(given[name].astype(np.float64))
     return results
@@ -67,14 +67,14 @@ def alone(
     text: str | None = None,
 ) -> Alone:
     """Compute each pass alone, on inputs computed by the reference; see execution.run_pass for `text`."""
-    frame, made, allowed = _Frame(textures, size, text), {}, {}
-    for item in passes:
-        for name, image in frame.drawn(item, precision).items():
+    frame, rounded_targets, intervals = _Frame(textures, size, text), {}, {}
+    for render_pass in passes:
+        for name, image in frame.drawn(render_pass, precision).items():
             nearest = stored(Image(image.value), STORAGE[storage])
-            allowed[name] = frame.placed(item, name, stored(image, STORAGE[storage], rounding))
+            intervals[name] = frame.placed(render_pass, name, stored(image, STORAGE[storage], rounding))
             # stored without its interval, so that the next pass's interval covers only that pass
-            made[name] = frame.keep(item, name, nearest).value.astype(STORAGE[storage])
-    return Alone(made, allowed)
+            rounded_targets[name] = frame.keep(render_pass, name, nearest).value.astype(STORAGE[storage])
+    return Alone(rounded_targets, intervals)
 
 
 class _Frame:
@@ -88,28 +88,28 @@ class _Frame:
         self.live = {name: Image(np.atleast_3d(pixels).astype(np.float64)) for name, pixels in textures.items()}
         self.scales = dict.fromkeys(textures, 1)
 
-    def drawn(self, item: Pass, precision: Precision | None) -> Mapping[str, Image]:
+    def drawn(self, render_pass: Pass, precision: Precision | None) -> Mapping[str, Image]:
         """Return what a pass writes to each of its targets, before storing; with a viewport, only that part."""
-        inputs = {slot: self.live[name] for slot, name in item.inputs.items()}
-        area = target_area(item.scale, item.viewport or (0, 0, *self.size))
-        if item.viewport and item.constants["BOKEH_VIEWPORT"]:
+        inputs = {slot: self.live[name] for slot, name in render_pass.inputs.items()}
+        area = target_area(render_pass.scale, render_pass.viewport or (0, 0, *self.size))
+        if render_pass.viewport and render_pass.constants["BOKEH_VIEWPORT"]:
             for slot in inputs.keys() - {"KernelSamp"}:
-                inputs[slot] = inputs[slot].part(*_slices(self.scales[item.inputs[slot]], item.viewport))
+                inputs[slot] = inputs[slot].part(*_slices(self.scales[render_pass.inputs[slot]], render_pass.viewport))
             # the inset is treated as an error of the sampled position; it only moves positions at the edge
             precision = precision and replace(precision, subtexel=precision.subtexel + VIEWPORT_INSET)
-        drawn = kept.run_pass(item, inputs, area[2:], precision, self.text)
-        return dict(zip(item.outputs, drawn, strict=True))
+        target_images = kept.run_pass(render_pass, inputs, area[2:], precision, self.text)
+        return dict(zip(render_pass.outputs, target_images, strict=True))
 
-    def placed(self, item: Pass, name: str, image: Image) -> Image:
-        """Return the whole target with what a pass wrote to it."""
-        if not item.viewport:
+    def placed(self, render_pass: Pass, name: str, image: Image) -> Image:
+        """Return the whole target after a pass has written to it."""
+        if not render_pass.viewport:
             return image
-        before = self.live.get(name) or Image(np.zeros((*target_size(item.scale, self.size)[::-1], 4)))
-        return before.drawn_over(image, *_slices(item.scale, item.viewport))
+        target = self.live.get(name) or Image(np.zeros((*target_size(render_pass.scale, self.size)[::-1], 4)))
+        return target.drawn_over(image, *_slices(render_pass.scale, render_pass.viewport))
 
-    def keep(self, item: Pass, name: str, image: Image) -> Image:
+    def keep(self, render_pass: Pass, name: str, image: Image) -> Image:
         """Store what a pass wrote into its target, for later passes, and return the whole target."""
-        self.live[name], self.scales[name] = self.placed(item, name, image), item.scale
+        self.live[name], self.scales[name] = self.placed(render_pass, name, image), render_pass.scale
         return self.live[name]
 
 

@@ -50,8 +50,8 @@ def declared(text: str, code: Mapping[str, str]) -> frozenset[str]:
     """Return the lines outside functions that declare what these functions use, and those without a name of the
     package.
     """
-    used = frozenset().union(*map(_words, code.values()))
-    return frozenset(line for line, words in _outside(text) if not words or words & used)
+    names_used = frozenset().union(*map(_words, code.values()))
+    return frozenset(line for line, words in _outside(text) if not words or words & names_used)
 
 
 def _code(text: str) -> str:
@@ -63,9 +63,9 @@ def _code(text: str) -> str:
 def _live(code: str, constants: frozenset[tuple[str, float]]) -> str:
     """Return code without the branches that these constants disable."""
     for name, value in constants:
-        for least in re.findall(rf"if \({name} > (\d(?:\.0)?)\)$", code, re.MULTILINE):
-            if value <= float(least):
-                branch = rf"^( *)if \({name} > {least}\)\n\1\{{\n(?:.*\n)*?\1\}}\n"
+        for bound in re.findall(rf"if \({name} > (\d(?:\.0)?)\)$", code, re.MULTILINE):
+            if value <= float(bound):
+                branch = rf"^( *)if \({name} > {bound}\)\n\1\{{\n(?:.*\n)*?\1\}}\n"
                 code = re.sub(branch, "", code, flags=re.MULTILINE)
     return code
 
@@ -101,24 +101,26 @@ class Signature(NamedTuple):
 @lru_cache(maxsize=16)
 def signatures(text: str) -> Mapping[str, Signature]:
     """Return name -> signature of every function of a GLSL text; main() is listed under its entry's name."""
-    found = {}
+    by_name = {}
     for name, match in found_functions(text):
         kind, _, parameters = _code(match["head"]).strip().removesuffix(")").partition("(")
         pairs = (tuple(parameter.split()) for parameter in parameters.split(",") if parameter.strip())
-        found[name] = Signature(kind.split()[0], tuple(pairs))
-    return found
+        by_name[name] = Signature(kind.split()[0], tuple(pairs))
+    return by_name
 
 
 @lru_cache(maxsize=16)
 def structs(text: str) -> Mapping[str, tuple[tuple[str, str], ...]]:
     """Return name -> (type, name) of each member of every struct of a GLSL text."""
-    found = re.findall(r"^struct (\w+)\n\{\n(.*?)^\};$", _code(text), re.MULTILINE | re.DOTALL)
-    return {name: tuple(re.findall(r"^ +(\w+) (\w+);$", members, re.MULTILINE)) for name, members in found}
+    definitions = re.findall(r"^struct (\w+)\n\{\n(.*?)^\};$", _code(text), re.MULTILINE | re.DOTALL)
+    return {name: tuple(re.findall(r"^ +(\w+) (\w+);$", members, re.MULTILINE)) for name, members in definitions}
 
 
 def called_from(text: str, entry: str) -> tuple[str, ...]:
     """Return the functions that an entry calls, directly or through functions of its own file `text`, outside that
     file.
     """
-    own = program(text, f"{entry}_PS")
-    return tuple(dict.fromkeys(name for code in own.values() for name in _called(code) if name not in own))
+    own_functions = program(text, f"{entry}_PS")
+    return tuple(
+        dict.fromkeys(name for code in own_functions.values() for name in _called(code) if name not in own_functions)
+    )

@@ -35,17 +35,17 @@ class Entry:
     """Describe an entry point by its stem: HLSL and WGSL add _PS, GLSL has a main() chosen by BOKEH_PASS.
 
     role      COPY makes a CoC map from colour, STEADY stabilises it; DEPTH computes linear depth, LATERAL lateral
-              colour, VIEW the debug view. LINE blurs along a line with a fixed number of samples, ADAPTIVE along one
-              of any length and spacing; GRID and TABLE gather in two dimensions. FIRST and SECOND are the passes of an
-              exact polygon, EDGE one target of the first; with `layers`, those of a layer's polygon. LAYERS are the
-              other passes of bokeh_layers.*
+              colour, VIEW the debug view. LINE blurs along a line with a fixed number of samples, ADAPTIVE along a
+              line of any length and spacing; GRID and TABLE gather in two dimensions. FIRST and SECOND are the passes
+              of an exact polygon, or of a layer's polygon if `layers` is true; EDGE writes one target of FIRST. LAYERS
+              are the other passes of bokeh_layers.*
     textures  slots that it reads
     targets   number of targets that it writes
     sides     of its polygon; 0 if a parameter sets them, or if it has no polygon
     layers    whether it belongs to bokeh_layers.*
     whole     name of the entry with several targets of which it writes one, number BOKEH_TARGET_INDEX
     fetches   for passes of the layers other than lines: the maximum per texel; for several targets, followed by the
-              maximum of each target drawn alone, whose program omits what only the others need
+              maximum of each target drawn alone, whose program omits the fetches that only the others need
     """
 
     name: str

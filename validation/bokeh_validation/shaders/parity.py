@@ -117,7 +117,7 @@ _LINE = re.compile(
 
 
 class Difference(NamedTuple):
-    """Hold one difference between the languages, or one broken rule; `lines` are the places and their text."""
+    """Hold one difference between the languages, or one broken rule; `lines` are the positions and their text."""
 
     where: str
     what: str
@@ -191,7 +191,7 @@ def _compared(pair: tuple[str, str], files: tuple[tuple[str, str], ...]) -> list
 
 
 def _said(lines: Sequence[TextLine], other: str) -> list[TextLine]:
-    """Keep what the other language can express too, and reduce several blank lines to one."""
+    """Keep the lines that the other language can express too, and reduce several blank lines to one."""
     comparable: list[TextLine] = []
     for line in lines:
         if other == "glsl":

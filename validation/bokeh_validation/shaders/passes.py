@@ -13,9 +13,9 @@ SLOTS = (*COLORS[:1], "DepthSamp", *COLORS[1:4], "KernelSamp", *COLORS[4:])
 # Bindings in set 0 of Vulkan and WebGPU: the parameters at 0, the linear sampler at 7, the textures at the others.
 FIRST_SAMPLER = 7
 BINDINGS = dict(zip(SLOTS, (1, 2, 3, 4, 5, 6, 8, 9), strict=True))
-# Slot -> sample type of its binding in WebGPU; what is only fetched need not be filterable.
+# Slot -> sample type of its binding in WebGPU; a texture that is only fetched texel by texel need not be filterable.
 SAMPLE_TYPES = {slot: "float" if slot in COLORS else "unfilterable-float" for slot in SLOTS}
-# BOKEH_SPACING by default: that of the preset MEDIUM
+# BOKEH_SPACING by default: the preset MEDIUM's
 USUAL_SPACING = 1.5
 # Samples on a line in the paper: section 4.3
 PAPER_SAMPLES = 13
@@ -57,14 +57,14 @@ class Pass:
     entry       one of entries.ENTRIES
     inputs      slot -> name of a texture: an input of the frame, or the output of an earlier pass
     output      name of the texture that it writes; a tuple of names for several targets
-    parameters  those that differ from PARAMETERS
+    parameters  values that differ from PARAMETERS
     samples     BOKEH_NUM_SAMPLES, or BOKEH_PAPER_SAMPLES
     defines     other constants of the program, name -> value
     sources     language ('glsl', 'hlsl', 'wgsl') -> a complete program to run instead of the package's; its entry is
                 named as `entry` says, main in GLSL. OpenGL and WebGPU drivers only.
-    viewport    (x, y, width, height) in texels of the full size, y from the first row in memory: the part of the
-                targets that is drawn, over what an earlier pass left in them; None: all of it, into new targets. x and
-                y are multiples of `scale`; see target_area()
+    viewport    part of the targets that is drawn, (x, y, width, height) in texels of the full size, y from the first
+                row in memory; the rest keeps what an earlier pass wrote. None: the whole of new targets. x and y are
+                multiples of `scale`; see target_area()
     scale       one of SCALES: the targets have the full size divided by it, rounded up; see target_size()
 
     Raises ValueError if the entry writes another number of targets or does not read a slot, and for other scales.

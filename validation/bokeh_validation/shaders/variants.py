@@ -100,7 +100,7 @@ class Program:
 
     @property
     def targets(self) -> int:
-        """Return the number of render targets; for a vertex shader, that of the fragment shader it is linked with."""
+        """Return the number of render targets; for a vertex shader, of the fragment shader linked to it."""
         return 1 if self.entry == VERTEX else entries.ENTRIES[self.entry].targets
 
     @property
