@@ -61,12 +61,15 @@ def settings() -> dict[str, methods.Settings]:
 def data() -> dict:
     """Return the data of src/main.js, ready for JSON."""
     glsl = shaders.text("glsl")
-    plans = {name: methods.plan(chosen, SIZE).passes for name, chosen in settings().items()}
+    plans = {name: methods.plan(frame_settings, SIZE).passes for name, frame_settings in settings().items()}
     # presets and polygons share many passes
     passes: dict[str, dict] = {}
     numbers = {}
-    for name, items in plans.items():
-        texts = [(json.dumps(made, sort_keys=True), made) for made in (_pass(item, glsl) for item in items)]
+    for name, frame_passes in plans.items():
+        texts = [
+            (json.dumps(page_pass, sort_keys=True), page_pass)
+            for page_pass in (_pass(render_pass, glsl) for render_pass in frame_passes)
+        ]
         passes.update(texts)
         numbers[name] = [list(passes).index(text) for text, _ in texts]
     address = json.loads(PACKAGE.read_text(encoding="utf-8")).get("repository", {}).get("url", "")
@@ -94,13 +97,20 @@ def links(address: str) -> list[tuple[str, str]]:
     return [(text, f"{page}/blob/main/{file}" if file else page) for text, file in LINKS.items()] if page else []
 
 
-def _pass(item: Pass, glsl: str) -> dict:
+def _pass(render_pass: Pass, glsl: str) -> dict:
     inputs = [
-        {"slot": slot, "image": name, "linear": is_linear(item.entry, slot)} for slot, name in item.inputs.items()
+        {"slot": slot, "image": name, "linear": is_linear(render_pass.entry, slot)}
+        for slot, name in render_pass.inputs.items()
     ]
-    head = shaders.glsl(item.entry, "300es", item.constants).removesuffix(glsl)
-    values = {name: float(value) for name, value in item.values().items()}
-    return {"head": head, "inputs": inputs, "targets": item.outputs, "scale": item.scale, "values": values}
+    head = shaders.glsl(render_pass.entry, "300es", render_pass.constants).removesuffix(glsl)
+    values = {name: float(value) for name, value in render_pass.values().items()}
+    return {
+        "head": head,
+        "inputs": inputs,
+        "targets": render_pass.outputs,
+        "scale": render_pass.scale,
+        "values": values,
+    }
 
 
 def _scene(name: str, scene: ray_traced.SceneFile) -> dict:
@@ -124,7 +134,7 @@ def shown_depth(scene: ray_traced.SceneFile) -> np.ndarray:
 def _write_pinhole(scene: ray_traced.SceneFile, target: Path) -> None:
     """Write the image that the page blurs: colour and depth."""
     color = ray_traced.picture(scene).color.astype(np.float16)
-    channels = {name: np.ascontiguousarray(color[..., i]) for i, name in enumerate("RGB")}
+    channels = {name: np.ascontiguousarray(color[..., channel]) for channel, name in enumerate("RGB")}
     header = {"compression": OpenEXR.ZIP_COMPRESSION, "type": OpenEXR.scanlineimage}
     with OpenEXR.File(header, channels | {"Z": shown_depth(scene)}) as file:
         file.write(str(target))

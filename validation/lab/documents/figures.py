@@ -96,13 +96,13 @@ def perspective(image: np.ndarray, yaw: float, pitch: float) -> np.ndarray:
     height, width = image.shape[:2]
     column = (longitude / (2 * np.pi) + 0.5) % 1.0 * width
     # its last column adjoins its first
-    around = np.pad(image, ((0, 0), (1, 1), (0, 0)), mode="wrap")
-    return sampling.bilinear(around, column + 1.0, (0.5 - latitude / np.pi) * height)
+    wrapped = np.pad(image, ((0, 0), (1, 1), (0, 0)), mode="wrap")
+    return sampling.bilinear(wrapped, column + 1.0, (0.5 - latitude / np.pi) * height)
 
 
 def photographs(driver: Driver) -> Pictures:
     """Draw Figure 1: each photograph, and the same with constant blur, as from a constant depth."""
-    found = {}
+    figures = {}
     for letter, (name, aperture, yaw, pitch) in VIEWS.items():
         image = panorama(name)
         color = np.ones((*PHOTOGRAPH_SIZE[::-1], 4), np.float16)
@@ -110,10 +110,10 @@ def photographs(driver: Driver) -> Pictures:
         camera = methods.Camera(max_coc=PHOTOGRAPH_COC)
         settings = methods.Settings("paper", aperture, camera=camera, coc=PHOTOGRAPH_COC)
         result = drawn(driver, Case(name, settings, color, depth_of(PHOTOGRAPH_SIZE, 1.0)))
-        before = Captioned(tone_mapped(color), f"photograph ({name})")
-        after = Captioned(tone_mapped(result), f"({letter}) paper, {aperture}, 13 samples a line")
-        found[f"figure_01_{letter}"] = pictures.grid([[before, after]])
-    return found
+        photograph = Captioned(tone_mapped(color), f"photograph ({name})")
+        blurred = Captioned(tone_mapped(result), f"({letter}) paper, {aperture}, 13 samples a line")
+        figures[f"figure_01_{letter}"] = pictures.grid([[photograph, blurred]])
+    return figures
 
 
 def canopy_case(method: str, diameter: float, **settings) -> Case:
@@ -147,13 +147,13 @@ def canopy(driver: Driver) -> Pictures:
         details.append(
             [Captioned(tone_mapped(image, CANOPY_EXPOSURE, 2), caption) for caption, image in cropped.items()]
         )
-    whole = tone_mapped(drawn(driver, canopy_case("paper", WIDE_APERTURE)), CANOPY_EXPOSURE)
-    caption, (wide, own) = f"paper, hexagon, 13 samples a line, aperture {1000 * WIDE_APERTURE:g} mm", details
+    full_image = tone_mapped(drawn(driver, canopy_case("paper", WIDE_APERTURE)), CANOPY_EXPOSURE)
+    caption, (wide, own_lens) = f"paper, hexagon, 13 samples a line, aperture {1000 * WIDE_APERTURE:g} mm", details
     return {
-        "figure_11": pictures.grid([[Captioned(whole, caption)]]),
+        "figure_11": pictures.grid([[Captioned(full_image, caption)]]),
         # this truth was ray traced with the scene's own lens only
         "figure_11_wide": pictures.grid([wide[:3]]),
-        "figure_11_own": pictures.grid([own[:2], own[2:]]),
+        "figure_11_own": pictures.grid([own_lens[:2], own_lens[2:]]),
     }
 
 
@@ -180,8 +180,12 @@ def point_panel(driver: Driver, caption: str, method: str, aperture: str, places
 
 def by_each_method(driver: Driver, aperture: str, caption: str, places: Sequence, kind: tuple) -> list[Captioned]:
     """Draw points by the paper's method, by exact if it has the aperture, and as the truth."""
-    shown = [(caption, "paper"), *([("exact", "exact")] if aperture in methods.EXACT else []), ("truth", "truth")]
-    return [point_panel(driver, *panel, aperture, places, kind) for panel in shown]
+    captioned_methods = [
+        (caption, "paper"),
+        *([("exact", "exact")] if aperture in methods.EXACT else []),
+        ("truth", "truth"),
+    ]
+    return [point_panel(driver, *panel, aperture, places, kind) for panel in captioned_methods]
 
 
 def apertures_of_points(driver: Driver) -> Pictures:

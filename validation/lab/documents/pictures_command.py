@@ -22,10 +22,12 @@ KINDS = (".png", ".webp")
 def every_picture() -> dict[str, Path]:
     """Return path below the repository's root -> file, for all images of the documents and guides."""
     folders = paths.ROOT / "docs", paths.ROOT / "integration"
-    found = sorted(path for folder in folders for path in folder.rglob("*") if path.suffix in KINDS)
+    images = sorted(path for folder in folders for path in folder.rglob("*") if path.suffix in KINDS)
     # folders of a package manager belong to no guide
     drawings = sorted((paths.ROOT / "docs").rglob("*.svg"))
-    return {str(path.relative_to(paths.ROOT)): path for path in [*found, *drawings] if "node_modules" not in path.parts}
+    return {
+        str(path.relative_to(paths.ROOT)): path for path in [*images, *drawings] if "node_modules" not in path.parts
+    }
 
 
 def file_hash(path: Path) -> str:
@@ -52,27 +54,27 @@ def older() -> list[str]:
 
 def record(*changed: Path) -> None:
     """Record these files in their current state."""
-    known = recorded() if RECORD.exists() else {}
+    records = recorded() if RECORD.exists() else {}
     for path in changed:
         name = str(path.relative_to(paths.ROOT))
         drawing = BY_NAME.get(path.stem)
-        known[name] = {"sha256": file_hash(path), "drawn_with": drawing.digest() if drawing else None}
-    text = json.dumps(dict(sorted(known.items())), indent=1) + "\n"
+        records[name] = {"sha256": file_hash(path), "drawn_with": drawing.digest() if drawing else None}
+    text = json.dumps(dict(sorted(records.items())), indent=1) + "\n"
     files.whole(RECORD, lambda partial: partial.write_text(text, encoding="ascii"))
 
 
 def write(drawing: Drawing, drawn: dict, wanted: list[str], folder: Path | None) -> list[Path]:
     """Write the wanted images of a drawing into a folder, or to their folder in docs; returns the files."""
-    found, place = [], folder or paths.ROOT / drawing.folder
+    written, target_folder = [], folder or paths.ROOT / drawing.folder
     for name in (name for name in drawing.names if name in wanted):
         if isinstance(drawn[name], Animation):
-            found.append(pictures.write_animation(place, name, *drawn[name]))
+            written.append(pictures.write_animation(target_folder, name, *drawn[name]))
         elif isinstance(drawn[name], str):
-            found.append(place / f"{name}.svg")
-            files.whole(found[-1], lambda target, text=drawn[name]: target.write_text(text, encoding="utf-8"))
+            written.append(target_folder / f"{name}.svg")
+            files.whole(written[-1], lambda target, text=drawn[name]: target.write_text(text, encoding="utf-8"))
         else:
-            found.append(pictures.write_document(place, name, drawn[name]))
-    return found
+            written.append(pictures.write_document(target_folder, name, drawn[name]))
+    return written
 
 
 def draw_pictures(
@@ -91,9 +93,9 @@ def draw_pictures(
     ] = None,
 ) -> None:
     """Draw the pictures of the documents."""
-    known = every_picture()
+    existing = every_picture()
     if keep is not None:
-        if keep.resolve() not in known.values():
+        if keep.resolve() not in existing.values():
             raise UserError(f"--record {keep}: no picture of docs or integration. Name a PNG or WebP there.")
         return record(keep.resolve())
     if state:

@@ -48,22 +48,22 @@ GUARDS = r"(?:clamp|abs|BokehSanitize|BokehToTexture|BokehGridCoords|min|max)"
 Types = Mapping[str, str]
 
 
-def _other(found: re.Match, _: Types) -> str:
-    return OTHER[found[0]]
+def _other(match: re.Match, _: Types) -> str:
+    return OTHER[match[0]]
 
 
-def _number(found: re.Match, _: Types) -> str:
+def _number(match: re.Match, _: Types) -> str:
     """Return another number: one less where one more would not show, else one more or twice as much."""
-    if "." not in found[0]:
-        return str(int(found[0]) + (-1 if LESS.search(found.string[: found.start()]) else 1))
-    return repr(2.0 * float(found[0])) if float(found[0]) else "1.0"
+    if "." not in match[0]:
+        return str(int(match[0]) + (-1 if LESS.search(match.string[: match.start()]) else 1))
+    return repr(2.0 * float(match[0])) if float(match[0]) else "1.0"
 
 
-def _swapped(found: re.Match, types: Types) -> str:
+def _swapped(match: re.Match, types: Types) -> str:
     """Swap two arguments of the same type."""
     # components such as .x have no declared type; they are floats
-    first, second = (types.get(name[name.rfind(".") :] if "." in name else name, "float") for name in found.groups())
-    return f"{found[2]}, {found[1]}" if first == second else found[0]
+    first, second = (types.get(name[name.rfind(".") :] if "." in name else name, "float") for name in match.groups())
+    return f"{match[2]}, {match[1]}" if first == second else match[0]
 
 
 # kind -> pattern, and the replacement of its matches, the likeliest mistakes first
@@ -96,9 +96,9 @@ UNREAD = re.compile(r"targets\.strip\d = (?:zero|targets\.strip\d);")
 def bodies() -> Iterator[tuple[str, str, str, int, int]]:
     """Yield file, name, the file's text without comments, and start and end of the body, for every GLSL function."""
     for key in FILES:
-        text = shaders.COMMENT.sub(lambda found: " " * len(found[0]), originals()[key])
-        for name, found in calls.found_functions(text):
-            yield key, name, text, *found.span("body")
+        text = shaders.COMMENT.sub(lambda match: " " * len(match[0]), originals()[key])
+        for name, match in calls.found_functions(text):
+            yield key, name, text, *match.span("body")
 
 
 def _statements(text: str, start: int, end: int) -> Iterator[tuple[int, int, str]]:
@@ -124,14 +124,14 @@ def _types(text: str) -> dict[str, str]:
 @cache
 def equivalents() -> dict[tuple[str, str], str]:
     """Return (place, change) -> reason why nothing can show it: the unindented line above it in equivalents.txt."""
-    found, reason = {}, ""
+    reasons, reason = {}, ""
     for line in EQUIVALENTS.read_text(encoding="utf-8").splitlines():
         if line.startswith(" "):
             places, _, change = line.strip().partition(": ")
-            found |= {(place, change): reason for place in places.split(", ")}
+            reasons |= {(place, change): reason for place in places.split(", ")}
         else:
             reason = line
-    return found
+    return reasons
 
 
 def mutants() -> Iterator[Mutant]:
@@ -140,29 +140,29 @@ def mutants() -> Iterator[Mutant]:
     for key, name, text, start, end in bodies():
         if name.endswith("_VS"):
             continue
-        whole, types = originals()[key], everywhere | _types(text[text.rindex("\n\n", 0, start) : end])
-        common = not re.search(rf"{rules.SAMPLING}\(", whole[start:end])
+        original, types = originals()[key], everywhere | _types(text[text.rindex("\n\n", 0, start) : end])
+        common = not re.search(rf"{rules.SAMPLING}\(", original[start:end])
         # operators take turns within a function, so that edits elsewhere do not change which mutants are made
-        used: Counter[str] = Counter()
-        for begin, after, statement in _statements(text, start, end):
+        uses: Counter[str] = Counter()
+        for statement_start, statement_end, statement in _statements(text, start, end):
             if UNREAD.fullmatch(statement):
                 continue
             kinds = ("constant",) if ZEROED.search(statement) else OPERATORS
-            able = {kind: edits for kind in kinds if (edits := list(_edits(kind, statement, types)))}
-            if able:
-                kind = min(able, key=lambda kind: used[kind])
-                broken = able[kind][used[kind] % len(able[kind])]
-                used[kind] += 1
+            possible = {kind: edits for kind in kinds if (edits := list(_edits(kind, statement, types)))}
+            if possible:
+                kind = min(possible, key=lambda kind: uses[kind])
+                broken = possible[kind][uses[kind] % len(possible[kind])]
+                uses[kind] += 1
                 change = f"({kind}) {statement}" if kind in WHOLE else broken
-                texts = {key: whole[:begin] + broken + whole[after:]}
+                texts = {key: original[:statement_start] + broken + original[statement_end:]}
                 argued = equivalents().get((name, change), "")
-                yield Mutant(f"{name}-{kind}-{used[kind]}", kind, name, change, texts, common=common, argued=argued)
+                yield Mutant(f"{name}-{kind}-{uses[kind]}", kind, name, change, texts, common=common, argued=argued)
 
 
 def _edits(kind: str, statement: str, types: Types) -> Iterator[str]:
     """Yield each variant of a statement that an operator produces."""
     pattern, edit = OPERATORS[kind]
-    for found in re.finditer(pattern, statement):
-        new = edit(found, types)
-        if new != found[0]:
-            yield statement[: found.start()] + new + statement[found.end() :]
+    for match in re.finditer(pattern, statement):
+        new = edit(match, types)
+        if new != match[0]:
+            yield statement[: match.start()] + new + statement[match.end() :]

@@ -39,15 +39,15 @@ def run(mutants: Sequence[Mutant], step: Callable[[str], None]) -> list[tuple[st
         while waiting or running:
             while waiting and len(running) < WORKERS:
                 mutant = waiting.pop()
-                end, other = FORK.Pipe(duplex=False)
-                process = FORK.Process(target=_child, args=(mutant, prepared[mutant.driver], other))
+                receiver, sender = FORK.Pipe(duplex=False)
+                process = FORK.Process(target=_child, args=(mutant, prepared[mutant.driver], sender))
                 process.start()
-                other.close()
-                running[end] = mutant, process
-            for end in connection.wait(running):
-                mutant, process = running.pop(end)
+                sender.close()
+                running[receiver] = mutant, process
+            for receiver in connection.wait(running):
+                mutant, process = running.pop(receiver)
                 try:
-                    results[mutant.name] = end.recv()
+                    results[mutant.name] = receiver.recv()
                 except EOFError:
                     results[mutant.name] = BROKEN, f"it crashed, or did not end within {LIMIT_S} s"
                 _kill(process)
@@ -63,19 +63,21 @@ def _prepared(mutants: Sequence[Mutant]) -> dict[str, list[Judge]]:
     everything, result = list(coverage_frames.all_frames()), {}
     with ProcessPoolExecutor(WORKERS, FORK) as pool:
         for driver in dict.fromkeys(mutant.driver for mutant in mutants):
-            asked = {label for mutant in mutants if mutant.driver == driver for label in mutant.frames or everything}
-            labels = [label for label in everything if label in asked]
+            needed_labels = {
+                label for mutant in mutants if mutant.driver == driver for label in mutant.frames or everything
+            }
+            labels = [label for label in everything if label in needed_labels]
             result[driver] = sum(pool.map(_judges, [driver] * len(labels), labels), [])
     return result
 
 
 def _judges(name: str, label: str) -> list[Judge]:
     driver = _loaded(name)
-    found = judges.judges(label, coverage_frames.all_frames()[label], driver.precision, driver.rounding)
-    for judge in found:
+    prepared = judges.judges(label, coverage_frames.all_frames()[label], driver.precision, driver.rounding)
+    for judge in prepared:
         if objection := judge.objection(driver):
             raise UserError(f"mutants: the shaders as they are fail: {objection}. See validation/test.")
-    return found
+    return prepared
 
 
 def _kill(process: BaseProcess) -> None:
@@ -86,7 +88,7 @@ def _kill(process: BaseProcess) -> None:
     process.join()
 
 
-def _child(mutant: Mutant, asked: Sequence[Judge], end: connection.Connection) -> None:
+def _child(mutant: Mutant, prepared: Sequence[Judge], sender: connection.Connection) -> None:
     """Judge a mutant in its process and send the result."""
     os.setpgrp()
     # the default handler ends the process at once; a Python handler would wait for the driver
@@ -95,29 +97,29 @@ def _child(mutant: Mutant, asked: Sequence[Judge], end: connection.Connection) -
     # from here on this process uses the mutant's shaders
     shaders.text = lambda language: together(mutant.texts, language)
     try:
-        result = _judged(mutant, asked)
+        result = _judged(mutant, prepared)
     except Exception as error:
-        said = " ".join(f"{type(error).__name__}: {error}".split())
-        result = REFUSED if COMPILER.search(said) else BROKEN, said[:300]
+        message = " ".join(f"{type(error).__name__}: {error}".split())
+        result = REFUSED if COMPILER.search(message) else BROKEN, message[:300]
     wine.stop()
-    end.send(result)
+    sender.send(result)
 
 
 def _judged(mutant: Mutant, prepared: Sequence[Judge]) -> tuple[str, str]:
     # parity must find more than a line that has become too long
     if mutant.common and all(rules.TOO_LONG in difference.what for difference in parity.check(mutant.texts)):
         return ALIVE, "the parity check does not see it"
-    asked = [judge for judge in prepared if _draws(judge, mutant)]
+    relevant = [judge for judge in prepared if _draws(judge, mutant)]
     if mutant.argued:
         # an equivalent mutant is only checked with one judge per entry
-        asked = list({judge.item.entry: judge for judge in asked}.values())
+        relevant = list({judge.item.entry: judge for judge in relevant}.values())
     driver = drivers.load(mutant.driver)
-    for judge in asked:
+    for judge in relevant:
         if objection := judge.objection(driver):
             return CAUGHT, objection
     if mutant.argued:
         return EQUIVALENT, mutant.argued
-    return ALIVE, f"{len(asked)} passes are right: a frame is missing, or equivalents.txt needs a reason"
+    return ALIVE, f"{len(relevant)} passes are right: a frame is missing, or equivalents.txt needs a reason"
 
 
 def _draws(judge: Judge, mutant: Mutant) -> bool:
@@ -125,5 +127,5 @@ def _draws(judge: Judge, mutant: Mutant) -> bool:
     if mutant.frames:
         return judge.label in mutant.frames
     entry, constants = judge.frame.main or f"{judge.item.entry}_PS", frozenset(judge.item.constants.items())
-    before, after = (calls.program(together(texts, "glsl"), entry, constants) for texts in ({}, mutant.texts))
-    return before != after
+    original, mutated = (calls.program(together(texts, "glsl"), entry, constants) for texts in ({}, mutant.texts))
+    return original != mutated

@@ -46,15 +46,15 @@ def search(page: Page, effect: str, start: Parameters, lens: np.ndarray) -> Para
     lens    the truth, reduced()
     """
     options = [{name: value} for name in start if name in OPTIONS for value in OPTIONS[name]]
-    best, least = start, np.inf
+    best, lowest_flip = start, np.inf
     for step in STEPS:
-        before = None
-        while before != best:
-            before = best
+        previous = None
+        while previous != best:
+            previous = best
             trials = [{name: best[name] * factor} for name in EFFECTS[effect][2] for factor in (step, 1 / step)]
             for trial in [{}, *trials, *options]:
-                if (error := metrics.flip(reduced(page.draw(effect, best | trial)), lens)) < least:
-                    best, least = best | trial, error
+                if (flip := metrics.flip(reduced(page.draw(effect, best | trial)), lens)) < lowest_flip:
+                    best, lowest_flip = best | trial, flip
     return best
 
 
@@ -63,75 +63,77 @@ def reduced(image: np.ndarray) -> np.ndarray:
     return np.dstack([Image.fromarray(image[..., at].astype(np.float32)).reduce(SMALLER) for at in range(3)])
 
 
-def of_scene(name: str, asked: list[str], anew: bool) -> tuple[list[dict], np.ndarray, dict[str, Parameters]]:
+def of_scene(name: str, effects: list[str], anew: bool) -> tuple[list[dict], np.ndarray, dict[str, Parameters]]:
     """Measure a scene with effects and this package's methods.
 
-    asked  names of the effects
-    anew   whether to search for their parameters
+    effects  names of the effects
+    anew     whether to search for their parameters
     Returns rows, a detail of the scene by every effect as 8-bit rgb, and the effects' parameters.
     """
     (file,) = ray_traced.chosen([name])
     picture, lens = ray_traced.picture(file), ray_traced.truth(file, "hexagon")
     start, small = documented(file.camera, picture.depth.shape), reduced(lens)
-    with Page(asked) as page:
+    with Page(effects) as page:
         page.load(picture.color, picture.depth, file.camera)
-        chosen = {key: search(page, key, start[key], small) if anew else FOUND[name][key] for key in asked}
-        images = {title(key): page.draw(key, parameters) for key, parameters in chosen.items()}
+        parameters = {key: search(page, key, start[key], small) if anew else FOUND[name][key] for key in effects}
+        images = {title(key): page.draw(key, values) for key, values in parameters.items()}
     images |= {label: truth.picture(drivers.load(DRIVER), file, label) for label in OURS}
     rows = [{"scene": name, "label": label, **truth.measured(image, lens)} for label, image in images.items()]
-    exposure, place = truth.EXPOSURE.get(name, 1.0), PLACES.get(name.removesuffix("x3"), (0, 0))
+    exposure, corner = truth.EXPOSURE.get(name, 1.0), PLACES.get(name.removesuffix("x3"), (0, 0))
     details = [
-        pictures.Captioned(pictures.crop(pictures.filmic(image, exposure), *place, *DETAIL), label)
+        pictures.Captioned(pictures.crop(pictures.filmic(image, exposure), *corner, *DETAIL), label)
         for label, image in (images | {"truth": lens}).items() if label not in OURS[:-1]
     ]  # fmt: skip
     width = 3 if len(details) > 4 else 2
-    return rows, pictures.grid([details[at : at + width] for at in range(0, len(details), width)]), chosen
+    return rows, pictures.grid([details[at : at + width] for at in range(0, len(details), width)]), parameters
 
 
-def of_light(place: str, asked: list[str]) -> list[tuple[float, float]]:
+def of_light(found_for: str, effects: list[str]) -> list[tuple[float, float]]:
     """Draw one light with effects and this package's methods.
 
     Returns for each its overlap with the aperture (probes.model.overlap, with both scaled to the same light), and the
     fraction of its light that is kept.
     """
-    middle = [(side - LIGHT) // 2 for side in LIGHT_SIZE]
+    first_pixel = [(side - LIGHT) // 2 for side in LIGHT_SIZE]
     color = np.full((*LIGHT_SIZE[::-1], 4), AMBIENT, np.float16)
-    color[middle[1] : middle[1] + LIGHT, middle[0] : middle[0] + LIGHT] = PEAK
+    color[first_pixel[1] : first_pixel[1] + LIGHT, first_pixel[0] : first_pixel[0] + LIGHT] = PEAK
     depth = depth_of(LIGHT_SIZE, FAR)
-    before = (color[..., 1].astype(np.float64) - AMBIENT).sum()
+    light_before = (color[..., 1].astype(np.float64) - AMBIENT).sum()
     hexagon = LIGHT_COC * outline(truth.case(ray_traced.MARKET, "exact").settings)
     blurred = geometry.coverage(hexagon, LIGHT_SIZE, pixel_center(*(side // 2 for side in LIGHT_SIZE)))
     reach = range(-(LIGHT // 2), LIGHT // 2 + 1)
     expected = sum(np.roll(blurred, (y, x), (0, 1)) for y in reach for x in reach)
-    with Page(asked) as page:
+    with Page(effects) as page:
         page.load(color, depth, LIGHT_CAMERA)
-        images = [page.draw(name, FOUND[place][name]) for name in asked]
+        images = [page.draw(name, FOUND[found_for][name]) for name in effects]
     for label in OURS:
         case = Case("", replace(truth.case(ray_traced.MARKET, label).settings, camera=LIGHT_CAMERA), color, depth)
         images.append(drivers.load(DRIVER).run(case.plan.passes, case.textures(), LIGHT_SIZE)["result"])
     lights = [image[..., 1].astype(np.float64) - AMBIENT for image in images]
-    return [(overlap(light / light.sum(), expected / expected.sum()), light.sum() / before) for light in lights]
+    return [(overlap(light / light.sum(), expected / expected.sum()), light.sum() / light_before) for light in lights]
 
 
-def in_motion(asked: list[str], name: str) -> list[dict]:
+def in_motion(effects: list[str], name: str) -> list[dict]:
     """Return rows for one of MOTIONS, from its antialiased input; parameters are searched on the first frame."""
     recording, rows = motion.recorded(name, Rasteriser(motion.SIZE, motion.POINTS), motion.FRAMES), []
-    shown, cameras = list(map(faults.display, recording.truth)), [moment(name, k).camera for k in range(motion.FRAMES)]
-    start = documented(cameras[0], shown[0].shape[:2])
+    displayed_truth = list(map(faults.display, recording.truth))
+    cameras = [moment(name, frame).camera for frame in range(motion.FRAMES)]
+    start = documented(cameras[0], displayed_truth[0].shape[:2])
     frames = list(zip(recording.antialiased, cameras, strict=True))
-    with terminal.progress("peers", len(asked)) as step:
-        for key in asked:
+    with terminal.progress("peers", len(effects)) as step:
+        for key in effects:
             images, parameters = [], {}
             for at in range(0, len(frames), CONTEXTS):
                 with Page([key]) as page:
-                    for given, camera in frames[at : at + CONTEXTS]:
-                        page.load(given.color, given.depth, camera)
+                    for pinhole, camera in frames[at : at + CONTEXTS]:
+                        page.load(pinhole.color, pinhole.depth, camera)
                         parameters = parameters or search(page, key, start[key], reduced(recording.truth[0]))
-                        own = {k: parameters[k] for k in (*EFFECTS[key][2], *OPTIONS) if k in parameters}
-                        drawn = page.draw(key, documented(camera, given.depth.shape)[key] | own)
-                        images.append(drawn[..., :3])
+                        names = (*EFFECTS[key][2], *OPTIONS)
+                        tuned = {option: parameters[option] for option in names if option in parameters}
+                        result = page.draw(key, documented(camera, pinhole.depth.shape)[key] | tuned)
+                        images.append(result[..., :3])
             rows.append({"scene": name, "label": title(key), "input": motion.ANTIALIASED})
-            rows[-1] |= {"parameters": parameters} | motion.flicker(images, shown)
+            rows[-1] |= {"parameters": parameters} | motion.flicker(images, displayed_truth)
             step(title(key))
     return rows
 
@@ -149,7 +151,7 @@ def peers(
     ] = None,
 ) -> None:
     """Compare other depth-of-field effects with the truth (docs/results.md): FLIP, PSNR, light; one light."""
-    asked = terminal.chosen("--effect", effect, EFFECTS)
+    effects = terminal.chosen("--effect", effect, EFFECTS)
     scenes = [file.name for file in ray_traced.chosen(scene)]
     terminal.check_writable(found)
     for name in scenes:
@@ -157,17 +159,17 @@ def peers(
             raise UserError(
                 f"--scene {name}: it has no parameters yet. Give --search FILE, and put them into found.json"
             )
-    named = terminal.chosen("--motion", sequence and [sequence], MOTIONS)
+    sequences = terminal.chosen("--motion", sequence and [sequence], MOTIONS)
     if sequence and (scene or found):
         raise UserError(f"--motion {sequence}: it draws none of the scenes. Leave out --scene and --search.")
-    Page(asked).close()  # report missing programs before any work
+    Page(effects).close()  # report missing programs before any work
     if sequence is not None:
-        terminal.tell(*motion.table(in_motion(asked, named[0])), drivers.load(DRIVER).adapter)
+        terminal.tell(*motion.table(in_motion(effects, sequences[0])), drivers.load(DRIVER).adapter)
         return
-    work = [(of_scene, (name, asked, found is not None)) for name in scenes] + [(of_light, (ONE_LIGHT, asked))]
+    work = [(of_scene, (name, effects, found is not None)) for name in scenes] + [(of_light, (ONE_LIGHT, effects))]
     with terminal.progress("peers", len(work)) as step:
         *drawings, lights = jobs.run(work, step)
     terminal.write_json(found, {name: chosen for name, (_, _, chosen) in zip(scenes, drawings, strict=True)})
-    ends = [ONE_LIGHT, "---", *(f"{shape:.2f}, {kept:.2f}" for shape, kept in lights)]
+    ends = [ONE_LIGHT, "---", *(f"{shape:.2f}, {light_kept:.2f}" for shape, light_kept in lights)]
     table = truth.markdown([row for rows, _, _ in drawings for row in rows])
     terminal.tell(*(f"{line} {end} |" for line, end in zip(table, ends, strict=True)), drivers.load(DRIVER).adapter)

@@ -18,7 +18,7 @@ REACH = 3
 SHARP, UNCHANGED = 1.5, 0.03
 
 
-def maps(image: np.ndarray, given: Pinhole, lens: Lens, coc: np.ndarray | None) -> dict[str, np.ndarray]:
+def maps(image: np.ndarray, pinhole: Pinhole, lens: Lens, coc: np.ndarray | None) -> dict[str, np.ndarray]:
     """Return the faults of an image (H, W, >= 3), each a map (H, W) in display values, 0 to 1.
 
     bright  how far above the truth's maximum within REACH pixels: specks, cores, lit cracks
@@ -29,20 +29,20 @@ def maps(image: np.ndarray, given: Pinhole, lens: Lens, coc: np.ndarray | None) 
 
     The maps fade out where the lens sees what the input does not contain.
     """
-    shown, truth = display(image), display(lens.color)
+    displayed, truth = display(image), display(lens.color)
     # the truth, if hidden parts looked like the visible ones
-    known = display((lens.color - lens.hidden_color) / np.maximum(1.0 - lens.hidden[..., None], 0.02))
-    hidden, unseen = around(lens.hidden, 1, np.max), around(np.abs(truth - known).max(axis=-1), 2, np.max)
+    visible_truth = display((lens.color - lens.hidden_color) / np.maximum(1.0 - lens.hidden[..., None], 0.02))
+    hidden, unseen = around(lens.hidden, 1, np.max), around(np.abs(truth - visible_truth).max(axis=-1), 2, np.max)
     counts = np.ones(hidden.shape, bool)
     if coc is not None:
-        counts = (coc >= SHARP) | (np.abs(shown - display(given.color)).max(axis=-1) >= UNCHANGED)
+        counts = (coc >= SHARP) | (np.abs(displayed - display(pinhole.color)).max(axis=-1) >= UNCHANGED)
 
     def fading(hidden_weight: float, unseen_weight: float) -> np.ndarray:
         return counts * np.clip(1.0 - hidden_weight * hidden, 0, 1) * np.clip(1.0 - unseen_weight * unseen, 0, 1)
 
-    bright = np.maximum(shown - around(truth, REACH, np.max), 0.0).max(axis=-1)
-    dark = np.maximum(around(truth, REACH, np.min) - shown, 0.0).max(axis=-1)
-    error, contrast = shown - truth, (around(truth, 2, np.max) - around(truth, 2, np.min)).max(axis=-1)
+    bright = np.maximum(displayed - around(truth, REACH, np.max), 0.0).max(axis=-1)
+    dark = np.maximum(around(truth, REACH, np.min) - displayed, 0.0).max(axis=-1)
+    error, contrast = displayed - truth, (around(truth, 2, np.max) - around(truth, 2, np.min)).max(axis=-1)
     rough = np.abs(error - around(error, 3, np.mean)).max(axis=-1) * np.clip(1.0 - contrast / 0.25, 0, 1)
     return {"bright": bright * fading(4.0, 15.0), "dark": dark * fading(4.0, 15.0), "rough": rough * fading(1.5, 6.0)}
 
@@ -55,7 +55,7 @@ def display(color: np.ndarray) -> np.ndarray:
 def around(values: np.ndarray, radius: int, of: Callable) -> np.ndarray:
     """Apply np.max, np.min or np.mean to the square of 2 radius + 1 pixels around each pixel of (H, W, ..)."""
     for axis in (0, 1):
-        border = [(radius, radius) if k == axis else (0, 0) for k in range(values.ndim)]
+        border = [(radius, radius) if dimension == axis else (0, 0) for dimension in range(values.ndim)]
         windows = np.lib.stride_tricks.sliding_window_view(np.pad(values, border, "edge"), 2 * radius + 1, axis)
         values = of(windows, axis=-1)
     return values

@@ -57,24 +57,24 @@ def recorded(name: str, rasteriser: Rasteriser, frames: int) -> Recording:
     """Draw one of sequences.MOTIONS."""
     recording = Recording([], [], [], [], [])
     for frame in range(-LEAD, frames):
-        scene, before = moment(name, frame), moment(name, frame - 1)
-        recording.jittered.append(rasteriser.pinhole(scene, before, place=PLACES[frame % len(PLACES)]))
+        scene, previous = moment(name, frame), moment(name, frame - 1)
+        recording.jittered.append(rasteriser.pinhole(scene, previous, place=PLACES[frame % len(PLACES)]))
         if frame >= 0:
-            recording.aliased.append(rasteriser.pinhole(scene, before))
-            recording.antialiased.append(rasteriser.pinhole(scene, before, antialiased=True))
+            recording.aliased.append(rasteriser.pinhole(scene, previous))
+            recording.antialiased.append(rasteriser.pinhole(scene, previous, antialiased=True))
             recording.truth.append(rasteriser.lens(scene).color)
     stable = resolved([pinhole.color for pinhole in recording.jittered], recording.jittered)
     return recording._replace(stable=list(stable)[LEAD:])
 
 
-def resolved(frames: Iterable[np.ndarray], given: Iterable[Pinhole]) -> Iterator[np.ndarray]:
+def resolved(frames: Iterable[np.ndarray], pinholes: Iterable[Pinhole]) -> Iterator[np.ndarray]:
     """Apply plain temporal anti-aliasing to linear frames (H, W, >= 3).
 
     The history, fetched from where each pixel was, is clamped to the range of the newest 3 x 3 pixels and blended with
     the newest frame, whose weight is SHARE; the first frames are averaged.
     """
     history = None
-    for number, (image, pinhole) in enumerate(zip(frames, given, strict=True), 1):
+    for number, (image, pinhole) in enumerate(zip(frames, pinholes, strict=True), 1):
         color = np.maximum(image[..., :3].astype(np.float64), 0.0)
         # compress the range, so that lights do not outweigh everything else
         color /= 1.0 + color.max(axis=-1, keepdims=True)
@@ -91,22 +91,22 @@ def results(driver: Driver, name: str, label: str, recording: Recording) -> dict
     map.
     """
 
-    def drawn(given: Sequence[Pinhole], colors: Iterable[np.ndarray], first: int = 0) -> list[np.ndarray]:
+    def drawn(pinholes: Sequence[Pinhole], colors: Iterable[np.ndarray], first: int = 0) -> list[np.ndarray]:
         images = []
-        for frame, (pinhole, color) in enumerate(zip(given, colors, strict=True), first):
+        for frame, (pinhole, color) in enumerate(zip(pinholes, colors, strict=True), first):
             settings = labels.settings(label, moment(name, frame).camera, frame=frame % 64)
             rgba = np.dstack([color[..., :3], np.ones_like(pinhole.depth)]).astype(np.float16)
             images.append(labels.picture(driver, label, Case(name, settings, rgba, pinhole.depth))[..., :3])
         return images
 
     aliased, antialiased, jittered = (
-        drawn(v, [p.color for p in v], len(recording.truth) - len(v)) for v in recording[:3]
+        drawn(sequence, [p.color for p in sequence], len(recording.truth) - len(sequence)) for sequence in recording[:3]
     )
-    before = drawn(recording.jittered[LEAD:], recording.stable)
-    after = list(resolved(jittered, recording.jittered))[LEAD:]
-    found = dict(zip(INPUTS, (aliased, antialiased, before, after), strict=False))
+    from_resolved = drawn(recording.jittered[LEAD:], recording.stable)
+    resolved_results = list(resolved(jittered, recording.jittered))[LEAD:]
+    frames_by_input = dict(zip(INPUTS, (aliased, antialiased, from_resolved, resolved_results), strict=False))
     signed = label.startswith(("exact", "layered"))
-    return found | {STEADY: list(_steady(driver, name, label, recording))} if signed else found
+    return frames_by_input | {STEADY: list(_steady(driver, name, label, recording))} if signed else frames_by_input
 
 
 def _steady(driver: Driver, name: str, label: str, recording: Recording) -> Iterator[np.ndarray]:
@@ -120,8 +120,8 @@ def _steady(driver: Driver, name: str, label: str, recording: Recording) -> Iter
         velocity = np.dstack([pinhole.moved / size, np.zeros_like(pinhole.moved)]).astype(np.float16)
         textures = {"color": rgba, "depth": pinhole.depth, "velocity": velocity}
         textures["history"] = np.zeros_like(rgba) if history is None else history
-        used, kept = (passes, ("coc", "result")) if frame >= 0 else (passes[:2], ("coc",))
-        outputs = driver.run(used, textures, size, keep=kept)
+        needed_passes, kept_targets = (passes, ("coc", "result")) if frame >= 0 else (passes[:2], ("coc",))
+        outputs = driver.run(needed_passes, textures, size, keep=kept_targets)
         history = outputs["coc"]
         if frame >= 0:
             yield outputs["result"][..., :3]
@@ -135,7 +135,9 @@ def flicker(frames: Sequence[np.ndarray], truth: Sequence[np.ndarray]) -> dict[s
     deviation  standard deviation over the frames, of a pixel's worst channel
     change     largest change from one frame to the next
     """
-    error = 255.0 * np.stack([faults.display(frame) - shown for frame, shown in zip(frames, truth, strict=True)])
+    error = 255.0 * np.stack(
+        [faults.display(frame) - displayed for frame, displayed in zip(frames, truth, strict=True)]
+    )
     values = {"deviation": error.std(axis=0).max(axis=-1), "change": np.abs(np.diff(error, axis=0)).max(axis=-1)}
     return {name: (float(value.mean()), float(np.percentile(value, 99))) for name, value in values.items()}
 
@@ -147,39 +149,44 @@ def measured(
     """Measure a sequence; returns rows, and its animation as 8-bit rgb, which is empty unless methods include all of
     SHOWN.
     """
-    used = drivers.load(driver, adapter)
-    recording = recorded(name, Rasteriser(size, points, used), frames)
-    truth, rows, shown = list(map(faults.display, recording.truth)), [], {}
+    active_driver = drivers.load(driver, adapter)
+    recording = recorded(name, Rasteriser(size, points, active_driver), frames)
+    truth, rows, antialiased_frames = list(map(faults.display, recording.truth)), [], {}
     for label in methods:
-        found = results(used, name, label, recording)
-        rows += [{"scene": name, "label": label, "input": k} | flicker(v, truth) for k, v in found.items()]
-        shown[label] = found[ANTIALIASED]
-    if not set(SHOWN) <= set(shown):
+        frames_by_input = results(active_driver, name, label, recording)
+        rows += [
+            {"scene": name, "label": label, "input": kind} | flicker(images_of_kind, truth)
+            for kind, images_of_kind in frames_by_input.items()
+        ]
+        antialiased_frames[label] = frames_by_input[ANTIALIASED]
+    if not set(SHOWN) <= set(antialiased_frames):
         return rows, []
-    panels = {caption: shown[label] for label, caption in SHOWN.items()} | {"truth": recording.truth}
+    panels = {caption: antialiased_frames[label] for label, caption in SHOWN.items()} | {"truth": recording.truth}
     return rows, [
         _side_by_side(dict(zip(panels, images, strict=True))) for images in zip(*panels.values(), strict=True)
     ]
 
 
 def _side_by_side(images: Mapping[str, np.ndarray]) -> np.ndarray:
-    cut = {caption: pictures.crop(image, *DETAIL) for caption, image in images.items()}
-    shown = [Captioned(pictures.enlarged(pictures.filmic(v, faults.RANDOM_EXPOSURE), ZOOM), k) for k, v in cut.items()]
-    return pictures.grid([shown[:2], shown[2:]])
+    cropped = {caption: pictures.crop(image, *DETAIL) for caption, image in images.items()}
+    panels = [
+        Captioned(pictures.enlarged(pictures.filmic(v, faults.RANDOM_EXPOSURE), ZOOM), k) for k, v in cropped.items()
+    ]
+    return pictures.grid([panels[:2], panels[2:]])
 
 
 def moderate(
     place: tuple[int, float, float], methods: Sequence[str], driver: str, adapter: str | None = None
 ) -> tuple[list[dict], list]:
     """Return rows for one of sequences.MODERATE: FLIP from both inputs."""
-    used = drivers.load(driver, adapter)
-    rasteriser, scene, rows = Rasteriser(SIZE, POINTS, used), street(*place), []
+    active_driver = drivers.load(driver, adapter)
+    rasteriser, scene, rows = Rasteriser(SIZE, POINTS, active_driver), street(*place), []
     truth = rasteriser.lens(scene).color
     for kind in (ALIASED, ANTIALIASED):
-        given = rasteriser.pinhole(scene, antialiased=kind == ANTIALIASED)
+        pinhole = rasteriser.pinhole(scene, antialiased=kind == ANTIALIASED)
         for label in methods:
-            case = Case(kind, labels.settings(label, scene.camera), given.color, given.depth)
-            error = metrics.flip(labels.picture(used, label, case), truth)
+            case = Case(kind, labels.settings(label, scene.camera), pinhole.color, pinhole.depth)
+            error = metrics.flip(labels.picture(active_driver, label, case), truth)
             rows.append({"scene": AT_REST, "place": place, "label": label, "input": kind, "flip": error})
     return rows, []
 
@@ -190,11 +197,11 @@ def table(rows: Sequence[Mapping]) -> list[str]:
     """
     lines: list[str] = []
     for name in dict.fromkeys(row["scene"] for row in rows):
-        own = [row for row in rows if row["scene"] == name]
-        inputs = list(dict.fromkeys(row["input"] for row in own))
+        scene_rows = [row for row in rows if row["scene"] == name]
+        inputs = list(dict.fromkeys(row["input"] for row in scene_rows))
         lines += ["", f"| {name} | {' | '.join(inputs)} |", "|---" * (len(inputs) + 1) + "|"]
-        for label in dict.fromkeys(row["label"] for row in own):
-            cells = [[row for row in own if (row["label"], row["input"]) == (label, kind)] for kind in inputs]
+        for label in dict.fromkeys(row["label"] for row in scene_rows):
+            cells = [[row for row in scene_rows if (row["label"], row["input"]) == (label, kind)] for kind in inputs]
             lines.append(f"| {label} | {' | '.join(map(_cell, cells))} |")
     return lines[1:]
 
@@ -209,8 +216,8 @@ def _cell(rows: Sequence[Mapping]) -> str:
 
 def chosen(name: str | None) -> list[str]:
     """Return the sequences that --motion names. Raises UserError."""
-    named = terminal.chosen("--motion", [name or "all"], [*NAMES, "all"])
-    return list(NAMES) if named == ["all"] else named
+    names = terminal.chosen("--motion", [name or "all"], [*NAMES, "all"])
+    return list(NAMES) if names == ["all"] else names
 
 
 def report(
@@ -220,7 +227,7 @@ def report(
     work = [(measured, (name, methods, driver, adapter)) for name in names if name in MOTIONS]
     work += [(moderate, (place, methods, driver, adapter)) for place in MODERATE] if AT_REST in names else []
     with terminal.progress("truth", len(work)) as step:
-        found = jobs.run(work, step)
-    rows = [row for some, _ in found for row in some]
+        results_by_job = jobs.run(work, step)
+    rows = [row for job_rows, _ in results_by_job for row in job_rows]
     explained = "Error, 1/255: deviation over the frames, change between frames; mean / 99th percentile of the pixels."
     return rows, [*table(rows), f"{explained} {AT_REST}: FLIP"]

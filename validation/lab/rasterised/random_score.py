@@ -39,8 +39,8 @@ class Score(NamedTuple):
 
 @cache
 def _tools(driver: str, adapter: str | None, size: tuple[int, int], points: int) -> tuple[Driver, Rasteriser]:
-    used = drivers.load(driver, adapter)
-    return used, Rasteriser(size, points, used)
+    loaded = drivers.load(driver, adapter)
+    return loaded, Rasteriser(size, points, loaded)
 
 
 def scores(
@@ -53,45 +53,46 @@ def scores(
     points  of the lens for the truth
     A row has: seed, label, flip, light relative to the truth, and the number of pixels for each of faults.LIMITS.
     """
-    (used, rasteriser), found = _tools(driver, adapter, size, points), []
+    (active_driver, rasteriser), scores_so_far = _tools(driver, adapter, size, points), []
     for seed in seeds:
         scene, antialiased = random_scene(seed)
-        given, lens = rasteriser.pinhole(scene, antialiased=antialiased), rasteriser.lens(scene)
-        coc = listings.circle_of_confusion(given.depth.astype(np.float64), *astuple(scene.camera)) * size[1]
+        pinhole, lens = rasteriser.pinhole(scene, antialiased=antialiased), rasteriser.lens(scene)
+        coc = listings.circle_of_confusion(pinhole.depth.astype(np.float64), *astuple(scene.camera)) * size[1]
         for label in methods:
             settings = labels.settings(label, scene.camera, APERTURES[scene.sides])
-            image = labels.picture(used, label, Case(str(seed), settings, given.color, given.depth))
+            image = labels.picture(active_driver, label, Case(str(seed), settings, pinhole.color, pinhole.depth))
             image = np.nan_to_num(image[..., :3].astype(np.float32), posinf=listings.MAX_COLOR)
-            wrong = faults.maps(image, given, lens, None if antialiased else coc)
+            wrong = faults.maps(image, pinhole, lens, None if antialiased else coc)
             row = {"seed": seed, "label": label, "flip": metrics.flip(image, lens.color)}
             row |= {"light": float(image.mean() / lens.color.mean())}
             row |= {name: int((values > faults.LIMITS[name]).sum()) for name, values in wrong.items()}
-            found.append(Score(row, _worst(row, wrong, [given.color, image, lens.color])))
-    return found
+            scores_so_far.append(Score(row, _worst(row, wrong, [pinhole.color, image, lens.color])))
+    return scores_so_far
 
 
 def _worst(row: Mapping, wrong: Mapping[str, np.ndarray], images: Sequence[np.ndarray]) -> list:
     """Return the worst crops, which do not overlap; `images` are input, result and truth, (H, W, >= 3)."""
     excess = {name: faults.around(values, 1, np.mean) / faults.LIMITS[name] for name, values in wrong.items()}
-    shown, places = [pictures.filmic(image, faults.RANDOM_EXPOSURE) for image in images], []
+    displayed, places = [pictures.filmic(image, faults.RANDOM_EXPOSURE) for image in images], []
     error = np.abs(faults.display(images[1]) - faults.display(images[2])).max(axis=-1)
-    shown.append(pictures.heat(error, WHITE))
+    displayed.append(pictures.heat(error, WHITE))
     for _ in range(PLACES):
         name = max(excess, key=lambda name: excess[name].max())
-        middle = np.unravel_index(excess[name].argmax(), error.shape)
-        top, left = (min(max(at - PLACE // 2, 0), most - PLACE) for at, most in zip(middle, error.shape, strict=True))
-        value, area = float(excess[name][middle]), (int(left), int(top), PLACE, PLACE)
+        worst_pixel = np.unravel_index(excess[name].argmax(), error.shape)
+        indices = zip(worst_pixel, error.shape, strict=True)
+        top, left = (min(max(index - PLACE // 2, 0), extent - PLACE) for index, extent in indices)
+        value, area = float(excess[name][worst_pixel]), (int(left), int(top), PLACE, PLACE)
         captions = (f"{row['seed']} at {area[:2]}: input", row["label"], "truth", f"error; {name} {value:.1f}")
-        cut = [pictures.enlarged(pictures.crop(pixels, *area), ZOOM) for pixels in shown]
-        places.append((value, list(map(Captioned, cut, captions))))
+        crops = [pictures.enlarged(pictures.crop(pixels, *area), ZOOM) for pixels in displayed]
+        places.append((value, list(map(Captioned, crops, captions))))
         for values in excess.values():
             pictures.crop(values, *area)[...] = 0.0
     return places
 
 
-def sheet(found: Sequence[Score]) -> np.ndarray:
+def sheet(scored: Sequence[Score]) -> np.ndarray:
     """Return the worst crops of all scores as one 8-bit rgb image: input, result, truth, error."""
-    places = sorted((place for score in found for place in score.places), key=lambda place: -place[0])
+    places = sorted((place for score in scored for place in score.places), key=lambda place: -place[0])
     return pictures.grid([panels for _, panels in places[:SHOWN]])
 
 

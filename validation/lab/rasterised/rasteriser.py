@@ -279,8 +279,8 @@ class Rasteriser:
         if not things:
             return None
         rows = [
-            (*t.size, *t.place, *t.color, *t.other, SHAPES.index(t.shape), PATTERNS.index(t.pattern), t.cells, t.turn,
-             *t.lean, t.sway) for t in things
+            (*thing.size, *thing.place, *thing.color, *thing.other, SHAPES.index(thing.shape),
+             PATTERNS.index(thing.pattern), thing.cells, thing.turn, *thing.lean, thing.sway) for thing in things
         ]  # fmt: skip
         numbers = self.driver.context.buffer(np.array(rows, "f4").tobytes())
         names, corner = ("size", "place", "color", "other", "look", "bend"), (self.meshes[spheres], "2f", "corner")
