@@ -37,9 +37,9 @@ MOST_LATERAL = 0.1
 Sample = tuple[int, np.ndarray, np.ndarray, np.ndarray | float]
 
 
-def run_pass(item: Pass, inputs: Mapping[str, np.ndarray]) -> list[np.ndarray]:
+def run_pass(render_pass: Pass, inputs: Mapping[str, np.ndarray]) -> list[np.ndarray]:
     """Return what a pass writes to each of its targets, given slot -> texture."""
-    values, role = item.given(), item.spec.role
+    values, role = render_pass.given(), render_pass.spec.role
     depth = inputs["DepthSamp"][..., 0] if "DepthSamp" in inputs else None
     if role == DEPTH:
         kind, near, far = (values[f"Bokeh{name}"] for name in ("DepthKind", "Near", "Far"))
@@ -47,17 +47,17 @@ def run_pass(item: Pass, inputs: Mapping[str, np.ndarray]) -> list[np.ndarray]:
         return [np.stack([metres, metres, metres, np.ones_like(metres)], axis=-1)]
     color = inputs["ColorSamp"]
     if role == COPY:
-        return [_coc_map(item.entry, values, color, depth)]
+        return [_coc_map(render_pass.entry, values, color, depth)]
     if role == LATERAL:
         return [_lateral(color, values["BokehLateral"])]
     if role == STEADY:
-        return [_steady(*(inputs[slot] for slot in item.spec.textures), values["BokehStableBlend"])]
+        return [_steady(*(inputs[slot] for slot in render_pass.spec.textures), values["BokehStableBlend"])]
     if role == VIEW:
         return [_debug(color, depth, values)]
     if role in (LINE, GRID, TABLE):
-        filtered = [gather([color], depth, _fixed(item, inputs), values, values["BokehBlurCoC"] > 0.5)]
+        filtered = [gather([color], depth, _fixed(render_pass, inputs), values, values["BokehBlurCoC"] > 0.5)]
     else:
-        filtered = _along_lines(item, inputs, depth)
+        filtered = _along_lines(render_pass, inputs, depth)
     if "ColorSampB" in inputs and role in (LINE, ADAPTIVE):
         # Listing 4
         combine = np.maximum if values["BokehUseMax"] > 0.5 else np.minimum
@@ -95,21 +95,21 @@ def _beside_lights(color: np.ndarray, coc: np.ndarray) -> np.ndarray:
     Between a pixel behind the focus and a light in front of it, the CoC switches without a ramp.
     """
     light = listings.safe_color(color[..., :3]).sum(axis=-1)
-    around, of_them = (
+    neighbours, neighbour_cocs = (
         np.array([padded[1:-1, 2:], padded[1:-1, :-2], padded[2:, 1:-1], padded[:-2, 1:-1]])
         for padded in (np.pad(light, 1, mode="edge"), np.pad(coc, 1, mode="edge"))
     )
-    brightest = around.argmax(axis=0)[None]
-    brightness, other = (np.take_along_axis(values, brightest, 0)[0] for values in (around, of_them))
-    own = np.maximum(light, 1e-7)
-    ratio = np.maximum(brightness / own, 1.0)
+    brightest = neighbours.argmax(axis=0)[None]
+    brightness, light_coc = (np.take_along_axis(values, brightest, 0)[0] for values in (neighbours, neighbour_cocs))
+    brightness_here = np.maximum(light, 1e-7)
+    ratio = np.maximum(brightness / brightness_here, 1.0)
     dark = np.clip(ratio / 4.0 - 1.0, 0.0, 1.0)
-    dark *= np.clip(np.minimum(np.abs(coc), np.abs(other)) * len(coc) - 1.0, 0.0, 1.0)
-    rim = np.clip(5.0 * own / np.maximum(around.min(axis=0), 1e-7) - 6.5, 0.0, 1.0)
+    dark *= np.clip(np.minimum(np.abs(coc), np.abs(light_coc)) * len(coc) - 1.0, 0.0, 1.0)
+    rim = np.clip(5.0 * brightness_here / np.maximum(neighbours.min(axis=0), 1e-7) - 6.5, 0.0, 1.0)
     rim *= np.clip(10.0 * ratio - 10.0, 0.0, 1.0) * np.clip(np.abs(coc) * len(coc) - 1.0, 0.0, 1.0)
     weight = np.maximum(dark, rim)
-    weight = np.where((other < 0.0) & (coc > 0.0), np.round(weight), weight)
-    return coc + (np.minimum(coc, other) - coc) * weight
+    weight = np.where((light_coc < 0.0) & (coc > 0.0), np.round(weight), weight)
+    return coc + (np.minimum(coc, light_coc) - coc) * weight
 
 
 def _of_image(depth: np.ndarray, values: Mapping[str, float]) -> np.ndarray:
@@ -120,31 +120,33 @@ def _of_image(depth: np.ndarray, values: Mapping[str, float]) -> np.ndarray:
 
 def _signed_coc(depth: np.ndarray, values: Mapping[str, float]) -> np.ndarray:
     """Compute the signed CoC of a lens with an in-focus range, and factors and limits for each side."""
-    aperture, focal, focus, sensor, most = (values[name] for name in LENS)
-    ranges, scales, limits = ([values[f"Bokeh{side}{what}"] for side in sides] for what, sides in FOCUS.items())
+    aperture, focal, focus, sensor, max_coc = (values[name] for name in LENS)
+    ranges, scales, limits = ([values[f"Bokeh{side}{quantity}"] for side in sides] for quantity, sides in FOCUS.items())
     nearest, farthest = min(focus, listings.MAX_DEPTH) - ranges[0], min(focus, listings.MAX_DEPTH) + ranges[1]
     # in front of the range, the lens is focused at its near end; behind it, at the far end
-    of_ends = [listings.circle_of_confusion(depth, aperture, focal, end, sensor, most) for end in (nearest, farthest)]
+    of_ends = [
+        listings.circle_of_confusion(depth, aperture, focal, end, sensor, max_coc) for end in (nearest, farthest)
+    ]
     front, back = (np.minimum(scale * coc, limit) for scale, coc, limit in zip(scales, of_ends, limits, strict=True))
     return np.where(depth < nearest, -front, np.where(depth > farthest, back, 0.0))
 
 
-def _texels(item: Pass, size: tuple[int, int]) -> tuple[float, float]:
+def _texels(render_pass: Pass, size: tuple[int, int]) -> tuple[float, float]:
     """Return the scale from offsets in image heights to texels; x uses the aspect ratio that the shaders are given."""
-    return size[0] / item.given()["BokehAspectRatio"], size[1]
+    return size[0] / render_pass.given()["BokehAspectRatio"], size[1]
 
 
-def _fixed(item: Pass, inputs: Mapping[str, np.ndarray]) -> Iterator[Sample]:
+def _fixed(render_pass: Pass, inputs: Mapping[str, np.ndarray]) -> Iterator[Sample]:
     """Yield samples that are the same for every pixel, scaled by its CoC: along lines from end to end (Listing 2), or
     from a table.
     """
     coc = inputs["ColorSamp"][..., 3]
-    if item.spec.role == TABLE:
-        places = inputs["KernelSamp"][0, :, :2] * [item.given()["BokehSqueeze"], 1.0]
+    if render_pass.spec.role == TABLE:
+        places = inputs["KernelSamp"][0, :, :2] * [render_pass.given()["BokehSqueeze"], 1.0]
     else:
-        t = np.linspace(-1.0, 1.0, item.samples)[:, None]
-        places = np.concatenate([line.segment.middle + t * line.segment.half for line in lines(item)])
-    for x, y in places * _texels(item, coc.shape[::-1]):
+        positions = np.linspace(-1.0, 1.0, render_pass.samples)[:, None]
+        places = np.concatenate([line.segment.middle + positions * line.segment.half for line in lines(render_pass)])
+    for x, y in places * _texels(render_pass, coc.shape[::-1]):
         yield 0, x * coc, y * coc, 1.0
 
 
@@ -180,68 +182,72 @@ def gather(
     return mean if blur_coc else np.concatenate([mean[..., :3], center[..., 3:]], axis=-1)
 
 
-def _along_lines(item: Pass, inputs: Mapping[str, np.ndarray], depth: np.ndarray | None) -> list[np.ndarray]:
+def _along_lines(render_pass: Pass, inputs: Mapping[str, np.ndarray], depth: np.ndarray | None) -> list[np.ndarray]:
     """Compute `BokehAdaptive` and the passes of exact polygons: for each target, the lines that contribute to it."""
-    values, size = item.given(), inputs["ColorSamp"].shape[1::-1]
-    found, targets = lines(item, size), []
-    if is_hexagon(item):
-        return _along_rays(item, inputs, found)
-    slots = list(dict.fromkeys(["ColorSamp", *(line.slot for line in found)]))
-    blur_coc = item.spec.role == ADAPTIVE and values["BokehBlurCoC"] > 0.5
+    values, size = render_pass.given(), inputs["ColorSamp"].shape[1::-1]
+    pass_lines, targets = lines(render_pass, size), []
+    if is_hexagon(render_pass):
+        return _along_rays(render_pass, inputs, pass_lines)
+    slots = list(dict.fromkeys(["ColorSamp", *(line.slot for line in pass_lines)]))
+    blur_coc = render_pass.spec.role == ADAPTIVE and values["BokehBlurCoC"] > 0.5
     sources = [inputs[slot] for slot in slots]
-    for target in range(len(found[0].shares)):
+    for target in range(len(pass_lines[0].shares)):
         samples = (
             (slots.index(line.slot), x, y, (end - begin) * line.shares[target])
-            for line in found
+            for line in pass_lines
             if np.any(line.shares[target])
-            for x, y, begin, end in cells(item, line, sources[0][..., 3])
+            for x, y, begin, end in cells(render_pass, line, sources[0][..., 3])
         )
         targets.append(gather(sources, depth, samples, values, blur_coc))
     return targets
 
 
-def is_hexagon(item: Pass) -> bool:
+def is_hexagon(render_pass: Pass) -> bool:
     """Return whether a pass belongs to an exact hexagon, whose lines are rays."""
-    sides = item.spec.sides or round(item.given()["BokehSides"])
-    return item.spec.role in (FIRST, SECOND, EDGE) and not item.spec.layers and sides == 6
+    sides = render_pass.spec.sides or round(render_pass.given()["BokehSides"])
+    return render_pass.spec.role in (FIRST, SECOND, EDGE) and not render_pass.spec.layers and sides == 6
 
 
-def _along_rays(item: Pass, inputs: Mapping[str, np.ndarray], found: Sequence[Line]) -> list[np.ndarray]:
-    center, is_first = inputs["ColorSamp"], item.spec.role != SECOND
+def _along_rays(render_pass: Pass, inputs: Mapping[str, np.ndarray], pass_lines: Sequence[Line]) -> list[np.ndarray]:
+    center, is_first = inputs["ColorSamp"], render_pass.spec.role != SECOND
     coc = center[..., 3]
-    along = [rays.gathered(cells(item, line, coc), inputs[line.slot], coc) for line in found]
+    along = [rays.gathered(cells(render_pass, line, coc), inputs[line.slot], coc) for line in pass_lines]
     # a line of length 0 has gathered nothing
-    sharp = filter_coc(np.abs(coc), len(coc), item.spacing) == 0.0
+    sharp = filter_coc(np.abs(coc), len(coc), render_pass.spacing) == 0.0
     targets = []
-    for target in range(len(found[0].shares)):
-        shares = [line.shares[target] for line in found]
+    for target in range(len(pass_lines[0].shares)):
+        shares = [line.shares[target] for line in pass_lines]
         value = rays.target(list(zip(along, shares, strict=True)), center, is_first)
         targets.append(np.where(sharp[..., None], center, value))
     return targets
 
 
-def cells(item: Pass, line: Line, coc: np.ndarray) -> Iterator[rays.Cell]:
+def cells(render_pass: Pass, line: Line, coc: np.ndarray) -> Iterator[rays.Cell]:
     """Yield the samples of a line, one per cell: x and y in texels, and where the cell begins and ends, as fractions
     of the line.
 
     With a spacing, cells have that length, counted from the line's beginning, and the last one is shorter.
     """
-    values, (height, width), segment = item.given(), coc.shape, line.segment
-    spacing = item.spacing
-    used = filter_coc(np.abs(coc), height, spacing)
-    length = 2.0 * segment.half_length * used * height
-    count = np.clip(length / spacing, 1.0, item.samples) if spacing > 0.0 else np.full_like(used, item.samples)
+    values, (height, width), segment = render_pass.given(), coc.shape, line.segment
+    spacing = render_pass.spacing
+    line_coc = filter_coc(np.abs(coc), height, spacing)
+    length = 2.0 * segment.half_length * line_coc * height
+    count = (
+        np.clip(length / spacing, 1.0, render_pass.samples)
+        if spacing > 0.0
+        else np.full_like(line_coc, render_pass.samples)
+    )
     # the exact passes have fixed indices
-    index = values["BokehPassIndex"] if item.spec.role == ADAPTIVE else float(item.spec.role == SECOND)
+    index = values["BokehPassIndex"] if render_pass.spec.role == ADAPTIVE else float(render_pass.spec.role == SECOND)
     jitter = max(values["BokehJitter"], 0.0) * noise((width, height), values["BokehFrame"], index)
     phase = 0.5 + jitter * np.clip(length / count - 1.0, 0.0, 1.0)
     middle, half = (field.reshape(2, *(field.shape[1:] or (1, 1))) for field in (segment.middle, segment.half))
-    across, down = _texels(item, (width, height))
+    across, down = _texels(render_pass, (width, height))
     for i in range(int(np.ceil(count.max()))):
         begin = np.minimum(i, count)
         end = np.minimum(i + 1.0, count)
-        t = 2.0 * (begin + (end - begin) * phase) / count - 1.0
-        x, y = (middle + half * t) * used
+        position = 2.0 * (begin + (end - begin) * phase) / count - 1.0
+        x, y = (middle + half * position) * line_coc
         yield x * across, y * down, begin / count, end / count
 
 
@@ -275,16 +281,16 @@ def _steady(picture: np.ndarray, history: np.ndarray, velocity: np.ndarray, shar
     The previous frame's CoC, fetched from where each pixel was, is clamped between the nearest of 3 x 3 and the
     pixel's own, then blended with it; `share` is the weight of this frame. `velocity` is in uv.
     """
-    (height, width), own = picture.shape[:2], picture[..., 3]
+    (height, width), coc = picture.shape[:2], picture[..., 3]
     moved = np.where(np.isfinite(velocity[..., :2]), velocity[..., :2], np.inf)
     y, x = np.mgrid[0:height, 0:width] + 0.5
     at_x, at_y = x - moved[..., 0] * width, y - moved[..., 1] * height
-    known = (at_x >= 0.0) & (at_x <= width) & (at_y >= 0.0) & (at_y <= height)
-    last = sampling.bilinear(history[..., 3:], np.where(known, at_x, x), np.where(known, at_y, y))[..., 0]
-    nearest = -sampling.neighbourhood(-own[..., None])[..., 0]
-    last = np.where(np.isnan(last), nearest, np.clip(last, nearest, own))
+    was_inside = (at_x >= 0.0) & (at_x <= width) & (at_y >= 0.0) & (at_y <= height)
+    previous = sampling.bilinear(history[..., 3:], np.where(was_inside, at_x, x), np.where(was_inside, at_y, y))[..., 0]
+    nearest = -sampling.neighbourhood(-coc[..., None])[..., 0]
+    previous = np.where(np.isnan(previous), nearest, np.clip(previous, nearest, coc))
     value = picture.copy()
-    value[..., 3] = np.where(known, own + (last - own) * np.clip(1.0 - share, 0.0, 1.0), own)
+    value[..., 3] = np.where(was_inside, coc + (previous - coc) * np.clip(1.0 - share, 0.0, 1.0), coc)
     return value
 
 
@@ -292,10 +298,10 @@ def _debug(image: np.ndarray, depth: np.ndarray, values: Mapping[str, float]) ->
     """Compute the debug view: colour, depth, CoC, or near and far field."""
     mode, focus, s2 = values["BokehDebugMode"], values["BokehFocusDistance"], listings.safe_depth(depth)
     amount = np.clip(np.abs(image[..., 3]) / max(values["BokehMaxCoC"], listings.MIN_DEPTH), 0.0, 1.0)
-    one = np.ones_like(amount)
+    opaque = np.ones_like(amount)
     if mode > 2.5:
-        near = np.stack([amount, 0.5 * amount, 0 * amount, one], axis=-1)
-        far = np.stack([0.1 * amount, 0.4 * amount, amount, one], axis=-1)
+        near = np.stack([amount, 0.5 * amount, 0 * amount, opaque], axis=-1)
+        far = np.stack([0.1 * amount, 0.4 * amount, amount, opaque], axis=-1)
         return np.where((s2 < focus)[..., None], near, far)
     grey = amount if mode > 1.5 else s2 / (s2 + focus)
-    return np.stack([grey, grey, grey, one], axis=-1) if mode > 0.5 else image
+    return np.stack([grey, grey, grey, opaque], axis=-1) if mode > 0.5 else image

@@ -45,13 +45,13 @@ class Line:
     shares: tuple[float | np.ndarray, ...] = (1.0,)
 
 
-def lines(item: Pass, size: tuple[int, int] | None = None) -> tuple[Line, ...]:
+def lines(render_pass: Pass, size: tuple[int, int] | None = None) -> tuple[Line, ...]:
     """Return all lines of a filter pass; none for other passes, for samples from a table, and for layers.
 
     A grid of n x n samples is n lines of n. `size` is (width, height) of the target; with it, lines are returned per
     pixel if the lens cuts the polygon, otherwise for the middle of the image.
     """
-    values, (entry, color) = item.given(), (item.spec, COLORS[0])
+    values, (entry, color) = render_pass.given(), (render_pass.spec, COLORS[0])
     angle, squeeze = values["BokehAngle"], values["BokehSqueeze"]
     if entry.role in (LINE, ADAPTIVE):
         middle = (values["BokehLineCenterX"], values["BokehLineCenterY"])
@@ -59,12 +59,12 @@ def lines(item: Pass, size: tuple[int, int] | None = None) -> tuple[Line, ...]:
     if entry.role == GRID:
         across = line_segment(values["BokehAngleB"], 1.0, (0.0, 0.0), squeeze).half
         along = line_segment(angle, 1.0, (0.0, 0.0), squeeze).half
-        return tuple(Line(color, Segment(t * across, along)) for t in np.linspace(-1.0, 1.0, item.samples))
+        return tuple(Line(color, Segment(t * across, along)) for t in np.linspace(-1.0, 1.0, render_pass.samples))
     if entry.layers or entry.role not in (FIRST, SECOND, EDGE):
         return ()
     sides = entry.sides or round(values["BokehSides"])
-    last = sides // 2
-    cut = size and item.constants["BOKEH_LENS_SHAPE"]
+    half_sides = sides // 2
+    cut = size and render_pass.constants["BOKEH_LENS_SHAPE"]
     lengths = lengths_in(size, sides, values) if cut else edge_lengths(sides)
 
     def edge(k: int, second_pass: bool) -> Segment:
@@ -73,10 +73,10 @@ def lines(item: Pass, size: tuple[int, int] | None = None) -> tuple[Line, ...]:
     if entry.role == SECOND:
         areas = {
             k: lengths[k - 1] * sum(parallelogram(k, i, sides, lengths) for i in range(1, k))
-            for k in range(2, last + 1)
+            for k in range(2, half_sides + 1)
         }
         return tuple(Line(COLORS[k - 2], edge(k, True), (area,)) for k, area in areas.items())
-    targets = range(2, last + 1) if entry.role == FIRST else (item.constants["BOKEH_TARGET_INDEX"] + 2,)
+    targets = range(2, half_sides + 1) if entry.role == FIRST else (render_pass.constants["BOKEH_TARGET_INDEX"] + 2,)
     return tuple(
         Line(color, edge(i, False), tuple(parallelogram(k, i, sides, lengths) for k in targets))
         for i in range(1, max(targets))
@@ -104,7 +104,7 @@ def polygon_edge(
     """
     step, count = 2.0 * pi / sides, sides // 2
     along = [aperture_shapes.direction(rotation + i * step + 0.5 * pi) for i in range(1, count + 1)]
-    edges = [np.multiply.outer(direction, one) for direction, one in zip(along, lengths, strict=True)]
+    edges = [np.multiply.outer(direction, length) for direction, length in zip(along, lengths, strict=True)]
     corner = [-0.5 * sum(edges)]
     for edge in edges:
         corner.append(corner[-1] + edge)
@@ -128,11 +128,11 @@ def lengths_in(size: tuple[int, int], sides: int, values: Mapping[str, float]) -
     """Return edge_lengths() in each pixel of a target, (n, H, W): the farther from the middle, the more is cut."""
     y, x = np.mgrid[0 : size[1], 0 : size[0]] + 0.5
     image = np.array([values["BokehImageWidth"], values["BokehImageHeight"]])
-    place = np.stack([2.0 * x / size[0] - 1.0, 2.0 * y / size[1] - 1.0]) * (image / np.hypot(*image))[:, None, None]
+    position = np.stack([2.0 * x / size[0] - 1.0, 2.0 * y / size[1] - 1.0]) * (image / np.hypot(*image))[:, None, None]
     c, s = cos(values["BokehAngle"]), sin(values["BokehAngle"])
-    turned = np.tensordot(np.array([[c, s], [-s, c]]), place, 1)
+    rotated = np.tensordot(np.array([[c, s], [-s, c]]), position, 1)
     amount = min(max(values["BokehCatsEye"], 0.0), MOST)
-    return edge_lengths(sides, amount * turned, min(max(values["BokehRoundness"], 0.0), 1.0))
+    return edge_lengths(sides, amount * rotated, min(max(values["BokehRoundness"], 0.0), 1.0))
 
 
 def edge_lengths(sides: int, along: Sequence[float] | np.ndarray = (0.0, 0.0), roundness: float = 1.0) -> np.ndarray:
@@ -146,9 +146,9 @@ def edge_lengths(sides: int, along: Sequence[float] | np.ndarray = (0.0, 0.0), r
     """
     count, step = sides // 2, 2.0 * pi / sides
     normals = [np.array([cos(k * step), sin(k * step)]) for k in range(count)]
-    part = [roundness if k % 2 else 2.0 - roundness for k in range(count)] if sides == 8 else [1.0] * count
+    fractions = [roundness if k % 2 else 2.0 - roundness for k in range(count)] if sides == 8 else [1.0] * count
     shrunk = [1.0 - np.abs(np.tensordot(normal, along, 1)) for normal in normals]
-    half = [0.5 * cos(one * step / 2) * left for one, left in zip(part, shrunk, strict=True)]
+    half = [0.5 * cos(fraction * step / 2) * remaining for fraction, remaining in zip(fractions, shrunk, strict=True)]
 
     def distance(k: int, other: int) -> np.ndarray:
         """Return the distance from the foot of the normal of line k to its intersection with line k + other."""
@@ -156,8 +156,8 @@ def edge_lengths(sides: int, along: Sequence[float] | np.ndarray = (0.0, 0.0), r
         return (half[(k + other) % count] - half[k % count] * cos(angle)) / sin(angle)
 
     others = range(1, count)
-    found = [
+    lengths = [
         np.min([distance(k, i) for i in others], axis=0) + np.min([distance(k, -i) for i in others], axis=0)
         for k in range(1, count + 1)
     ]
-    return np.maximum(np.array(found), LEAST)
+    return np.maximum(np.array(lengths), LEAST)

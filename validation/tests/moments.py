@@ -59,8 +59,8 @@ def measured(light: np.ndarray, center: tuple[float, float]) -> Spread:
     places = np.stack([columns + 0.5, rows + 0.5]) - np.array(center)[:, None]
     weights = light[rows, columns] / light.sum()
     mean = places @ weights
-    off = places - mean[:, None]
-    return Spread(mean, (off * weights) @ off.T, np.stack([-places.min(axis=1), places.max(axis=1)]))
+    offsets = places - mean[:, None]
+    return Spread(mean, (offsets * weights) @ offsets.T, np.stack([-places.min(axis=1), places.max(axis=1)]))
 
 
 def ends(samples: int) -> float:
@@ -70,8 +70,8 @@ def ends(samples: int) -> float:
 
 def midpoints(cells: float) -> float:
     """Return the variance of samples in the middles of `cells` cells, the last one cut short, on a line of length 1."""
-    whole = floor(cells)
-    return (1.0 - (whole + (cells - whole) ** 3) / cells**3) / 12.0
+    full_cells = floor(cells)
+    return (1.0 - (full_cells + (cells - full_cells) ** 3) / cells**3) / 12.0
 
 
 def predicted(settings: methods.Settings, size: tuple[int, int]) -> Spread:
@@ -82,11 +82,11 @@ def predicted(settings: methods.Settings, size: tuple[int, int]) -> Spread:
     pixels = settings.coc * size[1]
     paths = _paths(settings, pixels)
     shares = np.array([share for share, _ in paths]) / sum(share for share, _ in paths)
-    means = np.array([-sum(item.mean for item in filters) for _, filters in paths])
-    seconds = [sum(item.second for item in filters) for _, filters in paths]
+    means = np.array([-sum(pass_filter.mean for pass_filter in filters) for _, filters in paths])
+    seconds = [sum(pass_filter.second for pass_filter in filters) for _, filters in paths]
     seconds = np.array([second + np.outer(mean, mean) for second, mean in zip(seconds, means, strict=True)])
-    low = [sum(item.offsets.max(axis=0) for item in filters) for _, filters in paths]
-    high = [sum(-item.offsets.min(axis=0) for item in filters) for _, filters in paths]
+    low = [sum(pass_filter.offsets.max(axis=0) for pass_filter in filters) for _, filters in paths]
+    high = [sum(-pass_filter.offsets.min(axis=0) for pass_filter in filters) for _, filters in paths]
     mean = shares @ means
     second = np.tensordot(shares, seconds, 1) - np.outer(mean, mean)
     return Spread(mean, second, np.array([np.max(low, axis=0), np.max(high, axis=0)]))
@@ -102,11 +102,11 @@ def tolerance(settings: methods.Settings, size: tuple[int, int], precision: Prec
     """
     spread = predicted(settings, size)
     passes = len(methods.plan(settings, size).passes) - 1 if settings.method != "exact" else 2
-    off = passes * (precision.place(max(size)) + precision.line * settings.coc * size[1])
+    position_error = passes * (precision.place(max(size)) + precision.line * settings.coc * size[1])
     blend = precision.filter + (settings.count + 8) * FLOAT_STEP
     largest = np.sqrt(spread.second.diagonal().max())
     moments = (np.sqrt(np.trace(spread.second)) + np.sqrt(2.0)) ** 2 + largest**2
-    return 2 * largest * off + off**2 + off + passes * 4 * blend * moments
+    return 2 * largest * position_error + position_error**2 + position_error + passes * 4 * blend * moments
 
 
 def _paths(settings: methods.Settings, pixels: float) -> list[tuple[float, list[Filter]]]:
@@ -114,8 +114,8 @@ def _paths(settings: methods.Settings, pixels: float) -> list[tuple[float, list[
     rotation = radians(settings.rotation)
     if settings.method == "naive":
         table = aperture_shapes.kernel(settings.aperture, settings.count, settings.rotation) * [settings.squeeze, 1.0]
-        off = (table - table.mean(axis=0)) * pixels
-        return [(1.0, [_filter(table * pixels, np.full(len(table), 1 / len(table)), off.T @ off / len(table))])]
+        offsets = (table - table.mean(axis=0)) * pixels
+        return [(1.0, [_filter(table * pixels, np.full(len(table), 1 / len(table)), offsets.T @ offsets / len(table))])]
     if settings.method == "paper":
         (shape,) = aperture_shapes.PARALLELOGRAMS[settings.aperture]
         angles = [radians(angle) + rotation for angle in (shape.first, shape.second)]
@@ -133,18 +133,20 @@ def _paths(settings: methods.Settings, pixels: float) -> list[tuple[float, list[
 
 def _line(segment: Segment, pixels: float, settings: methods.Settings) -> Filter:
     """Return one line at a CoC of `pixels`, with its covariance in closed form."""
-    whole = 2.0 * segment.half * pixels
+    full_line = 2.0 * segment.half * pixels
     if settings.method == "paper" and settings.spacing <= 0.0:
         count = settings.count
         places, weights, variance = np.linspace(-0.5, 0.5, count), np.full(count, 1.0 / count), ends(count)
     else:
         cells = float(settings.count)
         if settings.spacing > 0.0:
-            cells = float(np.clip(np.hypot(*whole) / settings.spacing, 1.0, settings.count))
+            cells = float(np.clip(np.hypot(*full_line) / settings.spacing, 1.0, settings.count))
         edges = np.append(np.arange(np.ceil(cells)), cells)
         places, weights = (edges[1:] + edges[:-1]) / (2 * cells) - 0.5, np.diff(edges) / cells
         variance = midpoints(cells)
-    return _filter(segment.middle * pixels + places[:, None] * whole, weights, variance * np.outer(whole, whole))
+    return _filter(
+        segment.middle * pixels + places[:, None] * full_line, weights, variance * np.outer(full_line, full_line)
+    )
 
 
 def _filter(offsets: np.ndarray, weights: np.ndarray, covariance: np.ndarray) -> Filter:

@@ -62,14 +62,14 @@ def gathered(cells: Iterable[Cell], source: np.ndarray, center_coc: np.ndarray) 
     If the weights exceed the line, the part of the pixel's own surface is reduced accordingly.
     """
     row, column = np.mgrid[0 : len(source), 0 : source.shape[1]] + 0.5
-    samples, found, widths = [], [], []
+    samples, cell_weights, widths = [], [], []
     for x, y, begin, end in cells:
         samples.append(sampling.bilinear(source, column + x, row + y))
-        found.append(weights(samples[-1][..., -1], center_coc, begin, end))
+        cell_weights.append(weights(samples[-1][..., -1], center_coc, begin, end))
         widths.append(np.broadcast_to(end - begin, center_coc.shape))
-    weight, reached, own = np.moveaxis(np.array(found), 1, 0)
-    covered = np.clip((weight.sum(axis=0) - 1.0) / np.maximum(own.sum(axis=0), 1e-5), 0.0, 1.0)
-    return Gathered(np.array(samples), np.array(widths), weight - covered * own, reached - covered * own)
+    weight, reached, surface = np.moveaxis(np.array(cell_weights), 1, 0)
+    covered = np.clip((weight.sum(axis=0) - 1.0) / np.maximum(surface.sum(axis=0), 1e-5), 0.0, 1.0)
+    return Gathered(np.array(samples), np.array(widths), weight - covered * surface, reached - covered * surface)
 
 
 def target(lines: Sequence[tuple[Gathered, float | np.ndarray]], center: np.ndarray, hands_on: bool) -> np.ndarray:

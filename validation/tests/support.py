@@ -38,11 +38,11 @@ def needed(what: str) -> Iterator[None]:
 
 def load(name: str) -> drivers.Driver:
     """Return a driver; skips the test if it is missing."""
-    found = driver_or_reason(name)
+    loaded = driver_or_reason(name)
     with needed(f"driver {name}"):
-        if isinstance(found, str):
-            raise Unavailable(found)
-    return found
+        if isinstance(loaded, str):
+            raise Unavailable(loaded)
+    return loaded
 
 
 def spread(name: str, values, everywhere=()) -> pytest.MarkDecorator:
@@ -63,17 +63,19 @@ def spread(name: str, values, everywhere=()) -> pytest.MarkDecorator:
 
 def called(*arguments: object) -> subprocess.CompletedProcess:
     """Run a command in this process, which saves the second of a start, without ending the programs of other tests."""
-    said, told = StringIO(), StringIO()
+    standard_output, standard_error = StringIO(), StringIO()
     with (
-        redirect_stdout(said),
-        redirect_stderr(told),
+        redirect_stdout(standard_output),
+        redirect_stderr(standard_error),
         patch.object(sys, "argv", ["run", *map(str, arguments)]),
         patch.object(cli.signal, "signal"),
         patch.object(cli, "end_programs"),
         patch.object(cli.os, "_exit") as ended,
     ):
         cli.main()
-    return subprocess.CompletedProcess(arguments, *ended.call_args.args, said.getvalue(), told.getvalue())
+    return subprocess.CompletedProcess(
+        arguments, *ended.call_args.args, standard_output.getvalue(), standard_error.getvalue()
+    )
 
 
 def says(result: CompileResult, text: str) -> bool:

@@ -56,8 +56,11 @@ def everything(driver: drivers.Driver, case: Case, **changes: float) -> dict[str
     written.
     """
     passes = case.plan.passes
-    passes = [replace(one, parameters={**one.parameters, **changes}, defines=one.constants) for one in passes]
-    names = [name for item in passes for name in item.outputs]
+    passes = [
+        replace(unchanged, parameters={**unchanged.parameters, **changes}, defines=unchanged.constants)
+        for unchanged in passes
+    ]
+    names = [name for render_pass in passes for name in render_pass.outputs]
     return driver.run(passes, case.textures(), case.size, keep=names)
 
 
@@ -65,25 +68,25 @@ def within(driver: drivers.Driver, case: Case) -> tuple[np.ndarray, metrics.Comp
     """Return the result and its comparison with the reference; fails if any target of a pass is outside
     its interval.
     """
-    found = judges.compared(case, driver)
-    outside = {name: str(comparison) for name, comparison in found.comparisons.items() if comparison.outside}
+    case_result = judges.compared(case, driver)
+    outside = {name: str(comparison) for name, comparison in case_result.comparisons.items() if comparison.outside}
     assert not outside, (driver.name, outside, case.settings)
-    assert np.isfinite(found.outputs["result"]).all()
-    return found.outputs["result"], found.comparisons["result"]
+    assert np.isfinite(case_result.outputs["result"]).all()
+    return case_result.outputs["result"], case_result.comparisons["result"]
 
 
 def judged(probe: patterns.Probe, **changes) -> list[patterns.Check]:
     """Return the checks of a probe drawn with other settings than its own."""
     outputs, driver = {}, load("egl")
     for case in probe.cases:
-        other = replace(case, settings=replace(case.settings, **changes))
-        found = driver.run(other.plan.passes, other.textures(), other.size, keep=case.keep)
-        outputs[case.label] = {name: pixels.astype(np.float64) for name, pixels in found.items()}
+        changed = replace(case, settings=replace(case.settings, **changes))
+        pixels_by_name = driver.run(changed.plan.passes, changed.textures(), changed.size, keep=case.keep)
+        outputs[case.label] = {name: pixels.astype(np.float64) for name, pixels in pixels_by_name.items()}
     return probe.judge(outputs)
 
 
 def evaluated(body: str, **values: object) -> np.ndarray:
     """Run GLSL statements that write BokehResult, with the library's functions; returns RGBA. `values` are defines."""
     library = re.sub(r"\bvoid main\(\)", "void unused()", shaders.glsl("BokehConstantCoC", "330", values))
-    item = Pass("BokehConstantCoC", {}, "value", sources={"glsl": f"{library}void main()\n{{\n{body}\n}}\n"})
-    return load("osmesa").run([item], {}, (8, 8), "float", keep=("value",))["value"][0, 0]
+    render_pass = Pass("BokehConstantCoC", {}, "value", sources={"glsl": f"{library}void main()\n{{\n{body}\n}}\n"})
+    return load("osmesa").run([render_pass], {}, (8, 8), "float", keep=("value",))["value"][0, 0]

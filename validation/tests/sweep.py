@@ -35,61 +35,67 @@ Outputs = Mapping[str, np.ndarray]
 STORE_STEP = 2.0**-10
 
 
-def allowed(item: Pass, before: Outputs, after: Outputs) -> np.ndarray:
+def allowed(render_pass: Pass, before: Outputs, after: Outputs) -> np.ndarray:
     """Return how far the colour that a pass writes may change from one frame to the next, (H, W, C - 1).
 
     before, after  name -> (H, W, C) float64, for everything that the pass reads; the last channel is the CoC
     """
-    center = item.inputs["ColorSamp"]
+    center = render_pass.inputs["ColorSamp"]
     # its magnitude, since the passes of exact have a signed CoC
     coc = (np.abs(before[center][..., -1]), np.abs(after[center][..., -1]))
-    found = []
-    for line in lines(item):
-        read = [frame[item.inputs[line.slot]] for frame in (before, after)]
+    bounds = []
+    for line in lines(render_pass):
+        line_inputs = [frame[render_pass.inputs[line.slot]] for frame in (before, after)]
         weights = None
-        if is_hexagon(item):
-            weights = _ray_weights(item, line, read, [frame[center][..., -1] for frame in (before, after)])
-        found.append(_line_change(line.segment, item, *read, coc, weights))
-    if "ColorSampB" in item.inputs and item.spec.role in (LINE, ADAPTIVE):
-        other = item.inputs["ColorSampB"]
-        found.append(np.abs(after[other] - before[other])[..., :-1])
-    return np.max(found, axis=0)
+        if is_hexagon(render_pass):
+            weights = _ray_weights(
+                render_pass, line, line_inputs, [frame[center][..., -1] for frame in (before, after)]
+            )
+        bounds.append(_line_change(line.segment, render_pass, *line_inputs, coc, weights))
+    if "ColorSampB" in render_pass.inputs and render_pass.spec.role in (LINE, ADAPTIVE):
+        other = render_pass.inputs["ColorSampB"]
+        bounds.append(np.abs(after[other] - before[other])[..., :-1])
+    return np.max(bounds, axis=0)
 
 
-def _ray_weights(item: Pass, line: Line, read, coc) -> tuple[np.ndarray, np.ndarray]:
+def _ray_weights(render_pass: Pass, line: Line, read, coc) -> tuple[np.ndarray, np.ndarray]:
     """Return D and sum(f') of the module's docstring, (H, W) each, in units of cells."""
-    found = []
+    frame_weights = []
     for source, center in zip(read, coc, strict=True):
-        ray = rays.gathered(cells(item, line, center), source, center)
+        ray = rays.gathered(cells(render_pass, line, center), source, center)
         # the first cell has the full length
-        found.append((ray.weights / ray.cells[0], (ray.weights - ray.cells) / ray.cells[0]))
-    (_, before), (weights, after) = found
+        frame_weights.append((ray.weights / ray.cells[0], (ray.weights - ray.cells) / ray.cells[0]))
+    (_, before), (weights, after) = frame_weights
     count = max(len(before), len(after))
-    before, after = (np.pad(one, ((0, count - len(one)), (0, 0), (0, 0))) for one in (before, after))
+    before, after = (np.pad(excess, ((0, count - len(excess)), (0, 0), (0, 0))) for excess in (before, after))
     return np.abs(after - before).sum(axis=0), weights.sum(axis=0)
 
 
-def _line_change(line: Segment, item: Pass, before: np.ndarray, after: np.ndarray, coc, weights) -> np.ndarray:
+def _line_change(line: Segment, render_pass: Pass, before: np.ndarray, after: np.ndarray, coc, weights) -> np.ndarray:
     """Return the bound of the module's docstring for one line; `weights` are from _ray_weights, or None."""
-    (height, width), spacing = before.shape[:2], item.spacing
-    used = [filter_coc(c, height, spacing) * height for c in coc]
-    moved = np.abs(used[1] - used[0])
+    (height, width), spacing = before.shape[:2], render_pass.spacing
+    line_coc = [filter_coc(c, height, spacing) * height for c in coc]
+    moved = np.abs(line_coc[1] - line_coc[0])
     reach = np.abs(line.middle) + np.abs(line.half)
     # a sample reads the texels around it
-    radius = [int(np.ceil(r * max(u.max() for u in used))) + 1 for r in reach]
-    count = [np.full(moved.shape, float(item.samples))] * 2
+    radius = [int(np.ceil(r * max(u.max() for u in line_coc))) + 1 for r in reach]
+    count = [np.full(moved.shape, float(render_pass.samples))] * 2
     if spacing > 0.0:
-        count = [np.clip(2 * line.half_length * u / spacing, 1.0, item.samples) for u in used]
+        count = [np.clip(2 * line.half_length * u / spacing, 1.0, render_pass.samples) for u in line_coc]
     change = largest_within(np.abs(after - before), radius)
     across = largest_within(np.abs(np.diff(after, axis=1, append=after[:, -1:])), radius)
     down = largest_within(np.abs(np.diff(after, axis=0, append=after[-1:])), radius)
-    place = 2 * precision.SOFTWARE.place(max(width, height))
-    change += (reach[0] * moved + place)[..., None] * across + (reach[1] * moved + place)[..., None] * down
+    position_error = 2 * precision.SOFTWARE.place(max(width, height))
+    change += (reach[0] * moved + position_error)[..., None] * across + (reach[1] * moved + position_error)[
+        ..., None
+    ] * down
     contrast = largest_within(after, radius) + largest_within(-after, radius)
     reweighed, total = (0.0, count[1]) if weights is None else weights
     share = (np.abs(count[1] - count[0]) + reweighed) / np.maximum(total, 1e-9)
     change += np.minimum(share, 1.0)[..., None] * contrast
-    change += (STORE_STEP + 2 * (item.samples + 8) * precision.FLOAT_STEP) * largest_within(after + change, radius)
+    change += (STORE_STEP + 2 * (render_pass.samples + 8) * precision.FLOAT_STEP) * largest_within(
+        after + change, radius
+    )
     return change[..., :-1]
 
 
@@ -99,10 +105,10 @@ def largest_within(image: np.ndarray, radius: list[int]) -> np.ndarray:
         padding = [(0, 0)] * image.ndim
         padding[axis] = (reach, reach)
         image = np.moveaxis(np.pad(image, padding, mode="edge"), axis, 0)
-        width, wanted = 1, 2 * reach + 1
-        while width < wanted:
+        width, expected = 1, 2 * reach + 1
+        while width < expected:
             # a window of twice the width, or of the wanted width, is the maximum of two overlapping ones
-            further = min(width, wanted - width)
+            further = min(width, expected - width)
             image = np.maximum(image[:-further], image[further:])
             width += further
         image = np.moveaxis(image, 0, axis)

@@ -86,7 +86,7 @@ def write_given(folder: Path) -> None:
     for method, aperture in METHODS:
         passes = methods.plan(settings_of(method, aperture), demo.SIZE).passes
         controls = {"left": "input", "right": method, "blades": methods.EXACT[aperture], "preset": "low"}
-        keep = {"right": list(dict.fromkeys(name for item in passes for name in item.outputs))}
+        keep = {"right": list(dict.fromkeys(name for render_pass in passes for name in render_pass.outputs))}
         cases.append([f"{method} {aperture}", ["own.exr"], controls, LENS, keep])
     controls, keep = {"left": "input", "right": "exact"}, {"left": ["color", "depth"]}
     cases.append(["a picture", ["a depth.png", "a.png"], controls, {}, keep])
@@ -153,7 +153,7 @@ class Drawn(Driver):
 
     def run(self, passes, textures, size, storage="half", keep=("result",)):
         """Return what the page drew; the passes that it should have drawn determine the sizes."""
-        scales = {name: item.scale for item in passes for name in item.outputs}
+        scales = {name: render_pass.scale for render_pass in passes for name in render_pass.outputs}
         found = {}
         for name in keep:
             width, height = (-(-side // scales.get(name, 1)) for side in size)
@@ -176,7 +176,7 @@ def test_shows_the_reference(worked, method, aperture):
     color, depth = own_pixels()
     case, page = Case("own", settings_of(method, aperture), color, depth), Drawn(worked, f"{method} {aperture}")
     passes, textures = case.plan.passes, case.textures()
-    names = [name for item in passes for name in item.outputs]
+    names = [name for render_pass in passes for name in render_pass.outputs]
     drawn = page.run(passes, textures, case.size, keep=names)
     expected = pass_images.images(passes, textures, case.size, "half", page.precision, page.rounding, given=drawn)
     outside = {name: metrics.compare(drawn[name], expected[name], False).outside for name in names}

@@ -25,8 +25,8 @@ def assert_kept(drawn: Path, kept: Path, names: set[str]) -> None:
     """Check that a command drew these images, and that they match the stored ones."""
     assert {path.stem for path in drawn.iterdir()} == names
     for path in drawn.iterdir():
-        pixels, wanted = (np.asarray(Image.open(folder / path.name)).astype(int) for folder in (drawn, kept))
-        assert pixels.shape == wanted.shape and np.abs(pixels - wanted).mean() < MAX_DIFFERENCE, path.name
+        pixels, expected = (np.asarray(Image.open(folder / path.name)).astype(int) for folder in (drawn, kept))
+        assert pixels.shape == expected.shape and np.abs(pixels - expected).mean() < MAX_DIFFERENCE, path.name
 
 
 @pytest.fixture

@@ -103,9 +103,9 @@ def test_engines_of_the_readme():
     table = (paths.ROOT / "integration/README.md").read_text(encoding="utf-8")
     rows = re.findall(r"^\| \[.+?\]\((\w+/README\.md)\)[^|]*\| ([^|]*) \| ([^|]*) \|$", table, re.MULTILINE)
     shown = re.findall(r"^\| \[.+?\]\(integration/(\w+/README\.md)\)([^|]*)\| ([^|]*) \|", text, re.MULTILINE)
-    wanted = {guide: (methods, "compile-checked" in version) for guide, version, methods in rows}
-    assert {guide: (methods, "compile-checked" in more) for guide, more, methods in shown} == wanted
-    assert len(wanted) >= 18
+    expected = {guide: (methods, "compile-checked" in version) for guide, version, methods in rows}
+    assert {guide: (methods, "compile-checked" in more) for guide, more, methods in shown} == expected
+    assert len(expected) >= 18
 
 
 def test_readme_shows_the_sample():

@@ -21,7 +21,7 @@ Table = list[list[str]]
 
 def tables(text: str) -> list[Table]:
     """Return the tables of a page as rows of cells, without the line under the header."""
-    found: list[Table] = []
+    all_tables: list[Table] = []
     inside = False
     for line in text.splitlines():
         if not line.startswith("|"):
@@ -29,11 +29,11 @@ def tables(text: str) -> list[Table]:
             continue
         cells = [cell.strip() for cell in line.strip().removeprefix("|").removesuffix("|").split("|")]
         if not inside:
-            found.append([])
+            all_tables.append([])
         inside = True
         if not all(re.fullmatch(r":?-+:?", cell) for cell in cells):
-            found[-1].append(cells)
-    return found
+            all_tables[-1].append(cells)
+    return all_tables
 
 
 def numeric(table: Table) -> bool:
@@ -48,12 +48,12 @@ def data(name: str) -> dict:
 
 def digests() -> dict[str, str]:
     """Return 'scene, effect' -> hash of the parameters with which the effect was measured."""
-    found = {}
+    hashes = {}
     for scene, effects in FOUND.items():
         for effect, parameters in effects.items():
             text = json.dumps(parameters, sort_keys=True)
-            found[f"{scene}, {effect}"] = hashlib.sha256(text.encode()).hexdigest()[:16]
-    return found
+            hashes[f"{scene}, {effect}"] = hashlib.sha256(text.encode()).hexdigest()[:16]
+    return hashes
 
 
 def page_tables(name: str) -> list[Table]:
@@ -69,8 +69,8 @@ def test_ray_traced_scenes(place, key, digits):
     (_, *scenes), *rows = page_tables("results-data.md")[place]
     assert {(label, scene) for label, *_ in rows for scene in scenes} == set(recorded)
     for label, *cells in rows:
-        wanted = [f"{recorded[label, scene][key]:.{digits}f}" for scene in scenes]
-        assert cells == wanted, label
+        expected = [f"{recorded[label, scene][key]:.{digits}f}" for scene in scenes]
+        assert cells == expected, label
 
 
 def test_comparison():

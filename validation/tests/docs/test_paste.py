@@ -62,9 +62,9 @@ def header_blocks(language: str) -> list[Block]:
     """Return the blocks at the top of a library: the vertex shader, then the three passes."""
     text = shaders.file_text(language)
     paste = text[text.index("// PASTE: ") : text.index("// CONTENTS\n")]
-    found = re.findall(r"^//   ((?:\d\. |Vertex ).*\n(?://   .*\n)*?)((?://          .*\n)+)", paste, re.MULTILINE)
+    header = re.findall(r"^//   ((?:\d\. |Vertex ).*\n(?://   .*\n)*?)((?://          .*\n)+)", paste, re.MULTILINE)
     plain = [(" ".join(title.replace("//", " ").split()), re.sub(r"^//          ", "", code, flags=re.MULTILINE))
-             for title, code in found]  # fmt: skip
+             for title, code in header]  # fmt: skip
     blocks = [Block(title, code) for title, code in plain]
     assert [block.title[:2] for block in blocks] == ["Ve", "1.", "2.", "3."]
     return blocks
@@ -79,9 +79,9 @@ def document_blocks(document: Path, language: str) -> list[Block]:
 
 def test_readme_shows_the_header():
     """Check that the README's blocks equal the GLSL library's, including the lines on inputs and outputs."""
-    shown, wanted = document_blocks(README, "glsl"), header_blocks("glsl")
-    assert [block.code for block in shown] == [block.code for block in wanted]
-    assert [block.title for block in shown[1:]] == [block.title for block in wanted[1:]]
+    shown, expected = document_blocks(README, "glsl"), header_blocks("glsl")
+    assert [block.code for block in shown] == [block.code for block in expected]
+    assert [block.title for block in shown[1:]] == [block.title for block in expected[1:]]
 
 
 def program(language: str, block: Block, *head: str) -> str:
@@ -220,7 +220,7 @@ def wgsl_stages(driver, linear, vertex: Block, block: Block) -> tuple[dict, dict
         binding: name if name in inputs else linear if name == "Linear" else variables
         for name, binding in block.named("wgsl").items()
     }
-    vertex_stage, stage = ({"module": module, "entry_point": one.entry} for one in (vertex, block))
+    vertex_stage, stage = ({"module": module, "entry_point": render_pass.entry} for render_pass in (vertex, block))
     return vertex_stage, stage, bound
 
 
@@ -319,7 +319,7 @@ def test_the_chain_runs(name):
     for name in NAMES:
         comparison = metrics.compare(outputs[name], images[name], driver.software and name == "result")
         assert comparison.ok, (name, comparison)
-    found, wanted = outputs["result"], images["result"]
+    actual, expected = outputs["result"], images["result"]
     # there is something to compare: the image is blurred, and its CoC has both signs
-    assert metrics.compare(scene()["color"], wanted, driver.software).outside > 0.5 * width * height
-    assert found[..., 3].min() < -1.0 / height and found[..., 3].max() > 1.0 / height
+    assert metrics.compare(scene()["color"], expected, driver.software).outside > 0.5 * width * height
+    assert actual[..., 3].min() < -1.0 / height and actual[..., 3].max() > 1.0 / height

@@ -59,9 +59,16 @@ def test_archives(line, tmp_path):
     done = subprocess.run([sys.executable, *arguments[:3], archive, *sources], cwd=paths.ROOT, capture_output=True)
     assert done.returncode == 0, done.stderr
     packed = {name: zipfile.ZipFile(archive).read(name) for name in zipfile.ZipFile(archive).namelist()}
-    wanted = [paths.ROOT / source for source in sources]
-    files = {path: one for one in wanted for path in (one.rglob("*") if one.is_dir() else [one]) if path.is_file()}
-    expected = {path.relative_to(one.parent).as_posix(): path.read_bytes() for path, one in files.items()}
+    source_paths = [paths.ROOT / source for source in sources]
+    files = {
+        path: source_path
+        for source_path in source_paths
+        for path in (source_path.rglob("*") if source_path.is_dir() else [source_path])
+        if path.is_file()
+    }
+    expected = {
+        path.relative_to(source_path.parent).as_posix(): path.read_bytes() for path, source_path in files.items()
+    }
     assert {name: content for name, content in packed.items() if not name.endswith("/")} == expected
     assert (paths.ROOT / "LICENSE").read_bytes() in packed.values()
 
@@ -156,12 +163,12 @@ def test_rules_of_the_stores():
 def test_reshade_entry():
     """Check that the entry for ReShade's list has all of its keys, and names the effect in the archive."""
     (entry,) = re.findall(r"^```ini\n\[NN\]\n(.*?)^```$", PAGE, re.MULTILINE | re.DOTALL)
-    found = dict(line.split("=", 1) for line in entry.splitlines())
-    wanted = "PackageName PackageDescription InstallPath TextureInstallPath DownloadUrl RepositoryUrl EffectFiles"
-    assert list(found) == wanted.split() and all(found.values())
+    actual = dict(line.split("=", 1) for line in entry.splitlines())
+    expected = "PackageName PackageDescription InstallPath TextureInstallPath DownloadUrl RepositoryUrl EffectFiles"
+    assert list(actual) == expected.split() and all(actual.values())
     effects = [path.name for path in (INTEGRATION / "reshade/Shaders").glob("*.fx")]
-    assert found["EffectFiles"].split(",") == effects
-    assert found["InstallPath"].startswith(r".\reshade-shaders\Shaders")
+    assert actual["EffectFiles"].split(",") == effects
+    assert actual["InstallPath"].startswith(r".\reshade-shaders\Shaders")
 
 
 ADDRESS = "https://example.com/owner/polygonal-bokeh"

@@ -192,14 +192,14 @@ def test_unity_presets():
     (keywords,) = re.findall(r"#pragma shader_feature_local_fragment _ (.*)", shader)
     assert "multi_compile" not in shader and shader.count("#pragma fragment") == len(copies.drawn()) == 31
     guid = re.search("^guid: (.*)$", text(SHADERS["unity"].with_name("BokehDepthOfField.shader.meta")), re.MULTILINE)[1]
-    found = {}
+    actual = {}
     for path in (UNITY / "Materials").glob("*.mat"):
         assert f"m_Shader: {{fileID: 4800000, guid: {guid}, type: 3}}" in text(path)
         assert f"m_Name: {path.stem}\n" in text(path)
-        found[path.stem] = re.findall(r"^  - (BOKEH_\w+)$", text(path), re.MULTILINE)
-    wanted = {"Bokeh Low": ["BOKEH_PRESET_LOW"], "Bokeh Medium": [], "Bokeh High": ["BOKEH_PRESET_HIGH"]}
-    assert found == {**wanted, "Bokeh Ultra": ["BOKEH_PRESET_ULTRA"]}
-    assert sorted(sum(found.values(), [])) == sorted(keywords.split())
+        actual[path.stem] = re.findall(r"^  - (BOKEH_\w+)$", text(path), re.MULTILINE)
+    expected = {"Bokeh Low": ["BOKEH_PRESET_LOW"], "Bokeh Medium": [], "Bokeh High": ["BOKEH_PRESET_HIGH"]}
+    assert actual == {**expected, "Bokeh Ultra": ["BOKEH_PRESET_ULTRA"]}
+    assert sorted(sum(actual.values(), [])) == sorted(keywords.split())
     feature = text(UNITY / "Runtime/BokehRendererFeature.cs")
     (named,) = re.findall(r'"Packages/com\.polygonal-bokeh\.urp/(.*?)"', feature)
     assert (UNITY / named).is_file()

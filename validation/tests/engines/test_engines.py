@@ -68,13 +68,13 @@ def check_pull(folder, metres):
         assert around.min() * 0.9999 < depth < around.max() * 1.0001
         depths.append(depth)
     assert len(depths) > 1 and max(depths) > 1.2 * min(depths)
-    distance, wanted = pull["from"] if "from" in pull else data["camera"]["focus_distance"], []
+    distance, expected = pull["from"] if "from" in pull else data["camera"]["focus_distance"], []
     for _ in pull["distances"]:
         k = 1.0 - exp(-pull["frame"] / pull["seconds"])
         distance = 1.0 / (1.0 / distance + k * (1.0 / min(depths) - 1.0 / distance))
-        wanted.append(distance)
-    assert len(wanted) >= 10 and abs(wanted[-1] / wanted[0] - 1.0) > 0.1
-    assert pull["distances"] == pytest.approx(wanted, rel=1e-5)
+        expected.append(distance)
+    assert len(expected) >= 10 and abs(expected[-1] / expected[0] - 1.0) > 0.1
+    assert pull["distances"] == pytest.approx(expected, rel=1e-5)
 
 
 # Bevy's first build takes a quarter of an hour

@@ -49,15 +49,15 @@ def test_color_and_depth(scenes, projection):
     Depth: 1 + unit / metres as a half float is off by 2^-11 of itself, or 2^-10 if truncated, so unit / metres is off
     by 2^-10 (1 + metres / unit). The depth buffer's 24 bits add 2^-24 * 160 for a near plane of 0.1 and 16 m.
     """
-    found = scenes[projection]
-    scene, coc = (pixels(found[name]).astype(np.float64) for name in ("scene", "coc"))
-    wanted = ((scene[..., :3] + 0.055) / 1.055) ** 2.4
+    actual = scenes[projection]
+    scene, coc = (pixels(actual[name]).astype(np.float64) for name in ("scene", "coc"))
+    expected = ((scene[..., :3] + 0.055) / 1.055) ** 2.4
     assert coc[..., :3].max() > 4.0
-    assert (abs(coc[..., :3] / wanted - 1.0) < 2.0**-10 + 2.0**-17).all()
-    drawn = pixels(found["depth"])[:, : SIZE[1] // 10].astype(np.float64)
-    met = np.array(found["met"]).reshape(drawn.shape)
+    assert (abs(coc[..., :3] / expected - 1.0) < 2.0**-10 + 2.0**-17).all()
+    drawn = pixels(actual["depth"])[:, : SIZE[1] // 10].astype(np.float64)
+    met = np.array(actual["met"]).reshape(drawn.shape)
     assert met.max() > 2 * met.min()
-    assert (abs(drawn / met - 1.0) < 2.0**-10 * (1.0 + met / found["unit"]) + 2.0**-16).all()
+    assert (abs(drawn / met - 1.0) < 2.0**-10 * (1.0 + met / actual["unit"]) + 2.0**-16).all()
 
 
 def test_debug_views(sample):
@@ -80,12 +80,12 @@ def test_pull(sample):
     depths = [metres[int(v * SIZE[0]), int(u * SIZE[1])] for u, v in said["places"]]
     assert max(depths) > 1.5 * min(depths) > 3.0
     share = 1.0 - exp(-said["frame"] / said["seconds"])
-    nearness, wanted = 1.0 / said["before"], []
+    nearness, expected = 1.0 / said["before"], []
     for _ in said["distances"]:
         nearness += share * (1.0 / float(min(depths)) - nearness)
-        wanted.append(1.0 / nearness)
-    assert len(wanted) == 12 and wanted[-1] > 1.5 * wanted[0]
-    assert said["distances"] == pytest.approx(wanted, rel=12 * 2.0**-21)
+        expected.append(1.0 / nearness)
+    assert len(expected) == 12 and expected[-1] > 1.5 * expected[0]
+    assert said["distances"] == pytest.approx(expected, rel=12 * 2.0**-21)
 
 
 def test_no_frame_late(sample):

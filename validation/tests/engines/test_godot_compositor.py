@@ -98,8 +98,8 @@ def test_frame(plan):
     assert rows[0] == ["map", 1, ["color", "depth"], [memory[first["targets"][0]]]]
     assert len(rows) == len(planned["passes"])
     for (version, scale, reads, writes), step in zip(rows[1:], steps, strict=True):
-        wanted = {COLORS.index(item["slot"]): memory[item["texture"]] for item in step["inputs"]}
-        assert {i: name for i, name in enumerate(reads) if name != "-"} == wanted, version
+        expected = {COLORS.index(item["slot"]): memory[item["texture"]] for item in step["inputs"]}
+        assert {i: name for i, name in enumerate(reads) if name != "-"} == expected, version
         assert scale == step["scale"]
         is_last = step is steps[-1]
         assert writes == (["color"] if is_last else [memory[name] for name in step["targets"]]), version
@@ -155,7 +155,7 @@ def test_picture(method, aperture, preset):
     camera = methods.Camera(0.05 / 0.28, 0.05, 2.5, 0.024, 0.1)
     settings = methods.Settings(method, aperture, camera=camera, preset=preset, rotation=degrees(0.3), squeeze=0.8)
     plan = methods.plan(settings, SIZE)
-    wanted = driver.run(plan.passes, {"color": color, "depth": metres, **plan.tables}, SIZE)["result"]
+    expected = driver.run(plan.passes, {"color": color, "depth": metres, **plan.tables}, SIZE)["result"]
     # rows z and w of Godot's projection, which puts the far plane at 0
     row = (NEAR / (FAR - NEAR), NEAR * FAR / (FAR - NEAR), -1.0, 0.0)
     stored = ((row[1] - row[0] * metres.astype(np.float64)) / metres).astype(np.float32)
@@ -166,12 +166,12 @@ def test_picture(method, aperture, preset):
         "color": driver.context.texture(SIZE, 4, color.tobytes(), alignment=1, dtype="f2"),
         "depth": driver.context.texture(SIZE, 1, stored.tobytes(), alignment=1, dtype="f4"),
     }
-    found = drawn(driver.context, method, sides, preset, textures, parameters)[..., :3].astype(np.float64)
-    wanted = wanted[..., :3].astype(np.float64)
+    actual = drawn(driver.context, method, sides, preset, textures, parameters)[..., :3].astype(np.float64)
+    expected = expected[..., :3].astype(np.float64)
     # within four steps of a half float
-    near = np.abs(found - wanted) <= 4.0 * 2.0**-10 * np.maximum(np.abs(wanted), 2.0**-14)
+    near = np.abs(actual - expected) <= 4.0 * 2.0**-10 * np.maximum(np.abs(expected), 2.0**-14)
     assert near.all(axis=-1).mean() >= 0.998
-    assert (np.abs(wanted - color[..., :3]) > 0.05).any(axis=-1).mean() > 0.1
+    assert (np.abs(expected - color[..., :3]) > 0.05).any(axis=-1).mean() > 0.1
 
 
 def test_ignored():

@@ -140,9 +140,9 @@ def lines(text: str) -> list[str]:
 
 def is_quoted(block: str, text: str) -> bool:
     """Return whether consecutive lines of `text` equal the block's, at any indentation."""
-    wanted, whole = lines(block), text.splitlines()
-    windows = (whole[start : start + len(wanted)] for start in range(len(whole) - len(wanted) + 1))
-    return any(lines("\n".join(window)) == wanted for window in windows)
+    expected, whole = lines(block), text.splitlines()
+    windows = (whole[start : start + len(expected)] for start in range(len(whole) - len(expected) + 1))
+    return any(lines("\n".join(window)) == expected for window in windows)
 
 
 def sources(name: str) -> list[Path]:
@@ -241,9 +241,9 @@ def test_bevy_presets():
     (names,) = re.findall(r"^const CONSTANTS: .* = \[(.*)\];$", plugin, re.MULTILINE)
     assert tuple(re.findall(r"\w+", names)) == (methods.EXACT_CONSTANTS[0], *methods.PRESET_CONSTANTS)
     rows = re.findall(r"Self::(\w+) => \(\[(.*)\], (.*)\),", plugin)
-    found = {name.lower(): (*map(int, numbers.split(",")), float(spacing)) for name, numbers, spacing in rows}
-    wanted = {name: (exact[0], *methods.PRESETS[name], exact[1]) for name, exact in methods.EXACT_PRESETS.items()}
-    assert found == wanted
+    actual = {name.lower(): (*map(int, numbers.split(",")), float(spacing)) for name, numbers, spacing in rows}
+    expected = {name: (exact[0], *methods.PRESETS[name], exact[1]) for name, exact in methods.EXACT_PRESETS.items()}
+    assert actual == expected
 
 
 @pytest.mark.parametrize("name", samples(PROGRAMS))

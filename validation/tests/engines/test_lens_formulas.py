@@ -113,7 +113,7 @@ def value(source: str, pattern: str, names: dict[str, str], **known: float) -> f
 def test_focal_length_and_aperture(source, fovy, f_stop, scale):
     """Check f = h / (2 tan(fovy / 2)) and A = k f / N."""
     focal, aperture, names = SOURCES[source]
-    wanted = SENSOR / (2.0 * tan(0.5 * fovy))
+    expected = SENSOR / (2.0 * tan(0.5 * fovy))
     known = {
         "fovy": fovy,
         "degrees": fovy * 180.0 / pi,
@@ -123,9 +123,9 @@ def test_focal_length_and_aperture(source, fovy, f_stop, scale):
         "k": scale,
     }
     assert radians(known["degrees"]) == pytest.approx(fovy)
-    assert value(source, focal, names, **known) == pytest.approx(wanted)
+    assert value(source, focal, names, **known) == pytest.approx(expected)
     if aperture is not None:
-        assert value(source, aperture, names, f=wanted, **known) == pytest.approx(scale * wanted / f_stop)
+        assert value(source, aperture, names, f=expected, **known) == pytest.approx(scale * expected / f_stop)
 
 
 @pytest.mark.parametrize("source", DIAMETERS)

@@ -145,13 +145,13 @@ def test_picture(technique, case, picture, tmp_path):
     light = np.dstack([expanded(color / 255.0), np.ones((480, 640))]).astype(np.float16)
     depth = np.maximum(code / 65535.0 * FAR_PLANE, 0.01).astype(np.float32)
     result = load("osmesa").run(plan.passes, {"color": light, "depth": depth, **plan.tables}, (640, 480))["result"]
-    wanted = np.rint(255.0 * np.clip(compressed(result[..., :3].astype(float)), 0.0, 1.0))
-    off = np.abs(shown - wanted).max(axis=-1)
+    expected = np.rint(255.0 * np.clip(compressed(result[..., :3].astype(float)), 0.0, 1.0))
+    off = np.abs(shown - expected).max(axis=-1)
     if (technique, case) == ("PolygonalBokeh", "middle"):
         Image.fromarray(shown.astype(np.uint8)).save(tmp_path / "picture.png", optimize=True)
         assert_picture(tmp_path / "picture.png", GUIDE / "picture.png")
     assert (off <= 1.0).mean() >= 0.998, np.bincount(off.astype(int).ravel())
-    assert np.abs(wanted - color).mean() > (1.0 if limits else 3.0)
+    assert np.abs(expected - color).mean() > (1.0 if limits else 3.0)
 
 
 @of_sample("reshade")
@@ -167,9 +167,9 @@ def test_overlay(picture, tmp_path):
     pixels = 480.0 / 0.024 * 0.05 / 1.4 * 0.05 / (FOCUS - 0.05) * (depth - FOCUS) / depth
     kinds = [pixels > 1.0, pixels <= 1.0]
     tints = np.select([kind[..., None] for kind in kinds], [np.array([0.1, 0.4, 1.0]), np.array([0.0, 0.8, 0.2])])
-    wanted = 127.5 * ((color / 255.0 @ [0.3, 0.6, 0.1])[..., None] + tints)
-    wanted[356:364, 156:164] = 255.0
-    off = np.abs(shown - wanted).max(axis=-1)
+    expected = 127.5 * ((color / 255.0 @ [0.3, 0.6, 0.1])[..., None] + tints)
+    expected[356:364, 156:164] = 255.0
+    off = np.abs(shown - expected).max(axis=-1)
     # rounding of the distance moves the border between two colours by a pixel here and there
     assert (off <= 1.0).mean() >= 0.998, np.bincount(off.astype(int).ravel())
     assert min(kind.mean() for kind in kinds) > 0.05

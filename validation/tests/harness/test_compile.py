@@ -96,7 +96,11 @@ def test_depth_and_kernel_need_no_filtering_sampler():
     """Check that filtering depth fails: naga's layout declares depth as unfilterable."""
     direct = "BokehFetchDepth(DepthSamp, BokehToTexture(sampleCoords))"
     linear = "BokehFetch(DepthSamp, sampleCoords, BokehLinearClamp).r"
-    programs = [one for one in PROGRAMS if (one.variant, one.entry) == ("wgsl", "BokehDepthOfField")]
+    programs = [
+        hlsl_program
+        for hlsl_program in PROGRAMS
+        if (hlsl_program.variant, hlsl_program.entry) == ("wgsl", "BokehDepthOfField")
+    ]
     result = compile_programs(programs, edit=lambda source: source.replace(direct, linear))
     assert all("filterable" in cell.message.lower() for _, name, cell in cells_of(result, "wgsl") if name == "naga")
 
@@ -107,8 +111,8 @@ def test_slang_bindings():
     text = disassembled(compiled(partial(SPIRV["HLSL, Slang"], "BokehComposite")).binary)
     bound = {name: int(place) for name, place in re.findall(r"OpDecorate %(\w+) Binding (\d+)", text)}
     read = [*ENTRIES["BokehComposite"].textures]
-    wanted = {f"Bokeh{slot}": list(passes.BINDINGS).index(slot) + 1 for slot in read}
-    assert bound == {**wanted, "BokehLinearClamp": 9, "BokehParameters": 0}
+    expected = {f"Bokeh{slot}": list(passes.BINDINGS).index(slot) + 1 for slot in read}
+    assert bound == {**expected, "BokehLinearClamp": 9, "BokehParameters": 0}
 
 
 @pytest.mark.parametrize(

@@ -58,9 +58,9 @@ def test_street_in_a_folder_with_spaces(tmp_path):
         channels = {name: np.asarray(c.pixels) for name, c in file.channels().items()}
     assert sorted(channels) == list("ABGR") and all(c.dtype == np.float16 for c in channels.values())
     case = ray_traced.scene_case(ray_traced.STREET, "exact", "hexagon")
-    wanted = Reference().run(case.plan.passes, case.textures(), case.size)["result"].astype(float)
+    expected = Reference().run(case.plan.passes, case.textures(), case.size)["result"].astype(float)
     for index, name, least in ((1, "G", 0.002), (3, "A", 1e-5)):
-        np.testing.assert_allclose(channels[name].astype(float), wanted[..., index], rtol=0.02, atol=least)
+        np.testing.assert_allclose(channels[name].astype(float), expected[..., index], rtol=0.02, atol=least)
 
 
 def test_float_stays_float_and_constant_coc_needs_no_depth(tmp_path):
@@ -121,7 +121,7 @@ def test_an_option_has_an_effect_or_is_refused(base):
 
     def drawn(settings: Settings) -> tuple:
         case = noise_case(size, settings)
-        return [item.entry for item in case.plan.passes], result(driver, case).tobytes()
+        return [render_pass.entry for render_pass in case.plan.passes], result(driver, case).tobytes()
 
     before, idle = drawn(base), []
     for option in options.TABLE[1:]:

@@ -19,8 +19,8 @@ def off(pixels: int, steps: float) -> metrics.Comparison:
     """Compare an image of 1.5 with some pixels off by so many steps, while the interval allows everything."""
     picture = np.full(SHAPE, 1.5)
     picture.reshape(-1, 4)[:pixels] += steps * STEP
-    wanted = np.full(SHAPE, 1.5)
-    reference = images.Image(wanted, np.ones(SHAPE), np.zeros(SHAPE[:2], bool))
+    expected = np.full(SHAPE, 1.5)
+    reference = images.Image(expected, np.ones(SHAPE), np.zeros(SHAPE[:2], bool))
     return metrics.compare(picture.astype(np.float16), reference, True)
 
 

@@ -70,10 +70,10 @@ def test_made_for_a_cut(sides, uncut):
     side.
     """
     made = f"vec2 uv = vec2(0.25, 1.0); BokehPolygon p = {uncut.format(f'BokehMakePolygon({sides}, 0.5, 0.75)')};"
-    wanted = polygon_edge(2, sides, 0.5, 0.75, True, edge_lengths(sides))
+    expected = polygon_edge(2, sides, 0.5, 0.75, True, edge_lengths(sides))
     line = "BokehRay" if sides == 6 else "BokehEdgeLine"
-    found = evaluated(f"{made} BokehResult = {line}(2, p, true);")
-    np.testing.assert_allclose(found, [*wanted.middle, *wanted.half], atol=2.0**-12)
+    actual = evaluated(f"{made} BokehResult = {line}(2, p, true);")
+    np.testing.assert_allclose(actual, [*expected.middle, *expected.half], atol=2.0**-12)
     area = evaluated(f"{made} BokehResult = vec4(p.area, 0.0, 0.0, 0.0);")[0]
     assert area == pytest.approx(abs(geometry.signed_area(aperture_shapes.even_polygon(sides))), abs=2.0**-12)
 

@@ -17,7 +17,7 @@ def test_defaults():
     """Check that section [1] has the harness's default values, and the limits of the reference."""
     camera, settings = methods.Camera(), methods.Settings()
     samples, spacing = methods.EXACT_PRESETS[settings.preset]
-    wanted = {
+    expected = {
         "BOKEH_NUM_SAMPLES": samples,
         "BOKEH_SPACING": spacing,
         "BOKEH_VIEWPORT": 0,
@@ -29,14 +29,14 @@ def test_defaults():
     }
     for language in paths.LANGUAGES:
         text = shaders.file_text(language)
-        found = {name: np.float32(value) for name, value in shaders.settings(language, text).items()}
+        actual = {name: np.float32(value) for name, value in shaders.settings(language, text).items()}
         # in WGSL the type of the depth buffer is an alias that users replace
-        known = {name: value for name, value in wanted.items() if language != "wgsl" or "MULTISAMPLED" not in name}
-        assert found == {name: np.float32(value) for name, value in known.items()}, language
+        known = {name: value for name, value in expected.items() if language != "wgsl" or "MULTISAMPLED" not in name}
+        assert actual == {name: np.float32(value) for name, value in known.items()}, language
         table = dict(re.findall(r"^//   (BOKEH_(?!PRESET)\w+) +(-?[\d.]+) ", text, re.MULTILINE))
-        in_table = {name: np.float32(value) for name, value in wanted.items() if name in table}
+        in_table = {name: np.float32(value) for name, value in expected.items() if name in table}
         assert {name: np.float32(value) for name, value in table.items()} == in_table, language
-        assert set(wanted) - set(table) == {"BOKEH_MIN_DEPTH", "BOKEH_MAX_DEPTH"}, language
+        assert set(expected) - set(table) == {"BOKEH_MIN_DEPTH", "BOKEH_MAX_DEPTH"}, language
     assert passes.PARAMETERS["BokehSensorHeight"] == camera.sensor_height
     assert passes.PARAMETERS["BokehMaxCoC"] == camera.max_coc
     assert passes.PARAMETERS["BokehBleedingBias"] == settings.bleeding_bias

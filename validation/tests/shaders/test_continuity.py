@@ -48,18 +48,18 @@ def frame(driver: Driver, case: Case) -> dict[str, np.ndarray]:
 
 def worst(driver: Driver, case: Case, frames: Iterable[methods.Settings]) -> list[float]:
     """Return for each frame the largest change of a pixel in any pass, relative to what sweep.allowed() permits."""
-    found, before = [], None
+    worst_of_frames, before = [], None
     for settings in frames:
-        chosen = replace(case, settings=settings)
-        after = frame(driver, chosen)
+        frame_case = replace(case, settings=settings)
+        after = frame(driver, frame_case)
         if before is not None:
             shares = [0.0]
-            for item in chosen.plan.passes[1:]:
-                most = sweep.allowed(item, before, after)[..., 0]
-                shares += [(np.abs(after[name] - before[name])[..., 0] / most).max() for name in item.outputs]
-            found.append(max(shares))
+            for render_pass in frame_case.plan.passes[1:]:
+                bound = sweep.allowed(render_pass, before, after)[..., 0]
+                shares += [(np.abs(after[name] - before[name])[..., 0] / bound).max() for name in render_pass.outputs]
+            worst_of_frames.append(max(shares))
         before = after
-    return found
+    return worst_of_frames
 
 
 @pytest.mark.parametrize(("driver", "method"), RUNS)

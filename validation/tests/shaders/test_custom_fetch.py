@@ -43,24 +43,26 @@ def test_both_eyes():
     maps = random.random((2, SIZE[1], SIZE[0], 4)).astype(np.float16)
     maps[..., 3] = random.uniform(-0.2, 0.2, maps.shape[:3])
     given = {"BokehImageWidth": SIZE[0], "BokehImageHeight": SIZE[1], "BokehAspectRatio": SIZE[0] / SIZE[1]}
-    item = Pass("BokehHexagonFirst", {"ColorSamp": "map"}, ("strip2", "strip3"), given, 9, {"BOKEH_SPACING": 1.5})
-    wanted = [driver.run([item], {"map": eye}, SIZE, "half", keep=item.outputs) for eye in maps]
+    render_pass = Pass(
+        "BokehHexagonFirst", {"ColorSamp": "map"}, ("strip2", "strip3"), given, 9, {"BOKEH_SPACING": 1.5}
+    )
+    expected = [driver.run([render_pass], {"map": eye}, SIZE, "half", keep=render_pass.outputs) for eye in maps]
     driver.make_current()
     context = driver.context
     array = context.texture_array((*SIZE, 2), 4, maps.tobytes(), dtype="f2")
     array.repeat_x = array.repeat_y = False
     array.filter = moderngl.LINEAR, moderngl.LINEAR
-    program = context.program(vertex_shader=shaders.glsl("BokehFullScreen"), fragment_shader=stereo(item.entry))
-    for name, value in item.values().items():
+    program = context.program(vertex_shader=shaders.glsl("BokehFullScreen"), fragment_shader=stereo(render_pass.entry))
+    for name, value in render_pass.values().items():
         if name in program:
             program[name] = value
     for eye in (0, 1):
-        targets = [context.texture(SIZE, 4, dtype="f2") for _ in item.outputs]
+        targets = [context.texture(SIZE, 4, dtype="f2") for _ in render_pass.outputs]
         program["BokehEye"] = float(eye)
         array.use(0)
         context.sampler(repeat_x=False, repeat_y=False).use(0)
         context.framebuffer(targets).use()
         context.vertex_array(program, []).render(moderngl.TRIANGLES, vertices=3)
-        for name, target in zip(item.outputs, targets, strict=True):
+        for name, target in zip(render_pass.outputs, targets, strict=True):
             drawn = np.frombuffer(target.read(), np.float16).reshape(SIZE[1], SIZE[0], 4)
-            np.testing.assert_array_equal(drawn, wanted[eye][name].astype(np.float16))
+            np.testing.assert_array_equal(drawn, expected[eye][name].astype(np.float16))

@@ -46,12 +46,12 @@ def test_passes_are_chained(name, driver):
     frame.
     """
     frame = coverage_frames.of_settings(cases.tagged(cases.ENTRIES)[name])
-    names = [output for item in frame.passes for output in item.outputs]
+    names = [output for render_pass in frame.passes for output in render_pass.outputs]
     outputs = driver.run(frame.passes, frame.textures, frame.size, keep=names)
-    for item in frame.passes:
-        read = {given: outputs.get(given, frame.textures.get(given)) for given in item.inputs.values()}
-        alone = driver.run([item], read, frame.size, keep=item.outputs)
-        for output in item.outputs:
+    for render_pass in frame.passes:
+        read = {given: outputs.get(given, frame.textures.get(given)) for given in render_pass.inputs.values()}
+        alone = driver.run([render_pass], read, frame.size, keep=render_pass.outputs)
+        for output in render_pass.outputs:
             np.testing.assert_array_equal(alone[output], outputs[output])
 
 
@@ -118,9 +118,9 @@ def test_many_offsets(count, driver):
     gather = Pass("BokehNaiveGather", inputs, "result", parameters, samples=count)
     textures = {"color": color, "depth": depth_of((width, 2), 5.0), "kernel": kernel}
     output = driver.run([first, gather], textures, (width, 2), "float")["result"]
-    wanted = np.mean(
+    expected = np.mean(
         [color[:, np.clip(np.arange(width) + place, 0, width - 1), 0] for place in places], axis=0, dtype=float
     )
     # Weights are 1, and sums of 0 and 1 are exact. A position is off by three roundings of 2^-24 of 1024 texels, and
     # the filter with it, 1.8e-4; a sample that is left out changes the mean by at least 1.6e-3.
-    np.testing.assert_allclose(output[..., 0], wanted, atol=2.0**-11)
+    np.testing.assert_allclose(output[..., 0], expected, atol=2.0**-11)

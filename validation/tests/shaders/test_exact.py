@@ -113,9 +113,9 @@ def test_every_frame_and_pass_has_its_own_noise(method, aperture, targets, name)
     following = replace(case, settings=replace(settings, frame=1)).plan.passes
     passes = case.plan.passes
     # the exact passes have fixed numbers: the second must differ from the first
-    numbers = [item.values()["BokehPassIndex"] for item in passes[1:]]
+    numbers = [render_pass.values()["BokehPassIndex"] for render_pass in passes[1:]]
     assert method == "exact" or numbers == list(range(len(numbers))), numbers
-    written = [output for item in passes for output in item.outputs]
+    written = [output for render_pass in passes for output in render_pass.outputs]
     before = driver.run(passes, case.textures(), case.size, keep=written)
     for index in range(1, len(passes)):
         changed = (*passes[:index], following[index], *passes[index + 1 :])

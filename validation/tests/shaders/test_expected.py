@@ -60,7 +60,7 @@ def expected() -> dict[str, np.ndarray]:
         written = {}
         for name in SETTINGS:
             passes = case(name).plan.passes
-            names = [output for item in passes for output in item.outputs]
+            names = [output for render_pass in passes for output in render_pass.outputs]
             kept = pass_images.images(passes, case(name).textures(), case(name).size)
             written |= {f"{name}/{output}": kept[output].value.astype(np.float16) for output in names}
         np.savez_compressed(FILE, **written)
@@ -76,8 +76,8 @@ def test_every_pass(name, expected):
     results = pass_images.images(drawn.plan.passes, drawn.textures(), drawn.size, given=mine)
     assert set(results) == set(mine)
     for output, image in results.items():
-        wanted = mine[output].astype(np.float64)
-        off = np.abs(image.value - wanted) / images.step(np.abs(wanted), np.float16)
+        reference = mine[output].astype(np.float64)
+        off = np.abs(image.value - reference) / images.step(np.abs(reference), np.float16)
         assert off.max() <= 1.0, (output, off.max())
 
 
@@ -92,5 +92,5 @@ def test_two_steps_are_noticed(expected):
 
 def test_every_entry_is_expected():
     """Check that the cases draw all entries of bokeh_layers.*."""
-    drawn = {item.entry for name in SETTINGS for item in case(name).plan.passes}
+    drawn = {render_pass.entry for name in SETTINGS for render_pass in case(name).plan.passes}
     assert {entry.name for entry in ENTRIES.values() if entry.layers} <= drawn

@@ -71,17 +71,17 @@ CASES = [
 def test_same_depth_from_every_convention(kind, name, driver):
     """Check that depth is off by no more than the format's step times the formula's slope, plus float32's roundings."""
     steps = FORMATS[name]
-    wanted = listings.stored_depth(METRES, kind, NEAR, FAR)
-    found = linearised(driver, np.rint(wanted * steps) / steps if steps else wanted, kind).astype(np.float64)
-    step = 0.5 / steps if steps else 2.0**-24 * np.abs(wanted)
+    expected = listings.stored_depth(METRES, kind, NEAR, FAR)
+    actual = linearised(driver, np.rint(expected * steps) / steps if steps else expected, kind).astype(np.float64)
+    step = 0.5 / steps if steps else 2.0**-24 * np.abs(expected)
     # 2^-24 of 1 is added where a formula subtracts from far or from 1
-    step = step + 2.0**-24 * np.maximum(np.abs(wanted), 1.0 if kind in (1, 4, 6) else 0.0) * 3
+    step = step + 2.0**-24 * np.maximum(np.abs(expected), 1.0 if kind in (1, 4, 6) else 0.0) * 3
     # the logarithm is that of metres + 1, and 1 is subtracted again
     rounded = LOGARITHM_ROUNDINGS * (METRES + 1.0) if kind == 8 else ROUNDINGS * METRES
     allowed = slope(METRES, kind) * step + rounded
     # the slope is taken at the wanted distance; if a step moves far, the curve gets steeper on the way
     allowed *= np.where(kind in (5, 6, 7, 8, 0), 1.0, 1.0 / np.maximum(1.0 - allowed / METRES, 1e-9))
-    assert (np.abs(found - METRES) <= allowed).all()
+    assert (np.abs(actual - METRES) <= allowed).all()
     # the bound is meaningful: the coarsest format, 16 bits, allows 1.6 %
     assert (allowed <= 0.016 * METRES).all()
 
@@ -107,9 +107,9 @@ def test_bad_depth_of_every_convention(kind, driver):
     Tolerances at the ends of the range: perspective formulas lose far / near there; with the logarithm a 1 is
     subtracted again. The result is finite even if far - near equals far in float32, or if the far plane is at infinity.
     """
-    wanted = listings.linear_depth(BAD.astype(np.float64), kind, NEAR, FAR)
+    expected = listings.linear_depth(BAD.astype(np.float64), kind, NEAR, FAR)
     atol = LOGARITHM_ROUNDINGS if kind == 8 else 0.0
-    np.testing.assert_allclose(linearised(driver, BAD, kind), wanted, rtol=4 * 2.0**-24 * FAR / NEAR, atol=atol)
+    np.testing.assert_allclose(linearised(driver, BAD, kind), expected, rtol=4 * 2.0**-24 * FAR / NEAR, atol=atol)
     metres = linearised(driver, BAD, kind, 1e-6, 1e5)
     assert (metres >= np.float32(listings.MIN_DEPTH)).all() and (metres <= listings.MAX_DEPTH).all()
     assert linearised(driver, [[1.0]], 1, 1e-6, 1e5) >= 0.9e5
@@ -150,12 +150,12 @@ def test_cameras(name, driver):
     # the difference from the focal length is computed from float32 numbers
     depth = listings.safe_depth(np.float32(DEPTHS).astype(np.float64))
     values = vars(camera) | {"focus_distance": float(np.float32(camera.focus_distance))}
-    wanted = listings.circle_of_confusion(depth, *values.values())
+    expected = listings.circle_of_confusion(depth, *values.values())
     # S1 - f and S2 - S1 lose what they have in common: 2^-24 of the larger number, over the difference
     focus = min(camera.focus_distance, listings.MAX_DEPTH)
     lost = 2.0**-23 * focus / max(abs(focus - camera.focal_length), 1e-6)
     away = np.abs(depth - focus) >= 1e-6 * focus
-    np.testing.assert_allclose(coc[away], wanted[away], rtol=1e-5 + min(lost, 1.0), atol=1e-7)
+    np.testing.assert_allclose(coc[away], expected[away], rtol=1e-5 + min(lost, 1.0), atol=1e-7)
     signed = coc_map(driver, camera, DEPTHS, "BokehSignedCoCMap")
     np.testing.assert_array_equal(signed, np.where(depth < focus, -coc, coc))
 
@@ -178,13 +178,13 @@ def test_focus_controls(scale, driver):
     depth[1:3, 6:] = metres
     parameters = FOCUS.parameters() | controls.parameters() | place
     item = Pass("BokehSignedCoCMap", {"ColorSamp": "color", "DepthSamp": "depth"}, "coc", parameters)
-    found = driver.run([item], {"color": flat((6, 2), 1.0), "depth": depth}, (6, 2), "float", keep=("coc",))["coc"]
+    actual = driver.run([item], {"color": flat((6, 2), 1.0), "depth": depth}, (6, 2), "float", keep=("coc",))["coc"]
     near, far = (
         listings.circle_of_confusion(metres, *(vars(FOCUS) | {"focus_distance": end}).values()) for end in (3.5, 5.0)
     )
     near, far = np.minimum(scale[0] * near, 0.0625), np.minimum(scale[1] * far, 0.03125)
-    wanted = np.where(metres < 3.5, -near, np.where(metres > 5.0, far, 0.0))
-    np.testing.assert_allclose(found[..., 3], wanted, rtol=ROUNDINGS, atol=2.0**-24)
+    expected = np.where(metres < 3.5, -near, np.where(metres > 5.0, far, 0.0))
+    np.testing.assert_allclose(actual[..., 3], expected, rtol=ROUNDINGS, atol=2.0**-24)
 
 
 @pytest.mark.parametrize("kind", [5, 6])

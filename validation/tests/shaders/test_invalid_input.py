@@ -79,10 +79,10 @@ def assert_right(driver: drivers.Driver, case: Case) -> None:
 @spread("method", METHODS, EVERYWHERE)
 def test_bad_pixels_count_as_documented(method, driver):
     """Check that every texture of every pass is bit-identical to that with the documented replacement values."""
-    found, wanted = (everything(driver, case) for case in scene(method))
-    assert_safe(found, METHODS[method])
-    for name in found:
-        where = np.argwhere(differing(found[name], wanted[name]))
+    actual, expected = (everything(driver, case) for case in scene(method))
+    assert_safe(actual, METHODS[method])
+    for name in actual:
+        where = np.argwhere(differing(actual[name], expected[name]))
         assert not len(where), f"{name}: {len(where)} pixels, the first in row, column {where[0]}"
 
 
@@ -255,8 +255,8 @@ EQUIVALENTS = [
 def test_parameters_count_as_documented(method, name, wrong, right, driver):
     """Check that both values give bit-identical results."""
     case = littered((24, 16), METHODS[method], 0.1)
-    found, wanted = (everything(driver, case, **{name: value})["result"] for value in (wrong, right))
-    assert not differing(found, wanted).any()
+    actual, expected = (everything(driver, case, **{name: value})["result"] for value in (wrong, right))
+    assert not differing(actual, expected).any()
 
 
 @in_each_language
@@ -288,10 +288,10 @@ PAGE_ROWS = {
 def test_page_has_what_is_tested():
     """Compare the table of docs/inputs.md with the numbers that COLOR, DEPTH and EQUIVALENTS test."""
 
-    def counted(pairs, wanted: float) -> float:
+    def counted(pairs, expected: float) -> float:
         """Return what a bad number is treated as; `wanted` may be NaN."""
-        (found,) = {right for wrong, right in pairs if wrong == wanted or np.isnan(wrong) and np.isnan(wanted)}
-        return found
+        (actual,) = {right for wrong, right in pairs if wrong == expected or np.isnan(wrong) and np.isnan(expected)}
+        return actual
 
     parameters = {(name, wrong): right for _, name, wrong, right in EQUIVALENTS}
     numbers = {
@@ -306,7 +306,7 @@ def test_page_has_what_is_tested():
     assert numbers["aperture_negative"] == parameters["BokehBleedingMult", -30.0]
     page = (paths.ROOT / "docs/inputs.md").read_text(encoding="utf-8").split("## Bad input")[1].split("\n## ")[0]
     rows = [line.strip("|").split("|") for line in page.splitlines() if line.startswith("|")][2:]
-    wanted = {left.format_map(numbers): right.format_map(numbers) for left, right in PAGE_ROWS.items()}
-    assert {left: right for left, right in rows if left in wanted} == wanted
+    expected = {left.format_map(numbers): right.format_map(numbers) for left, right in PAGE_ROWS.items()}
+    assert {left: right for left, right in rows if left in expected} == expected
     # other rows are of parameters in EQUIVALENTS or have no number; a new row belongs in PAGE_ROWS
-    assert len(rows) == len(wanted) + 5
+    assert len(rows) == len(expected) + 5

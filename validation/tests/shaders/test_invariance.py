@@ -68,17 +68,17 @@ def check_spread(driver: Driver, settings: Settings, size: tuple[int, int]) -> m
     farthest sample, and at least to one pixel before it.
     """
     case, center = highlight(settings, size)
-    found, wanted = moments.measured(float_result(driver, case)[..., 1], center), moments.predicted(settings, size)
+    actual, reference = moments.measured(float_result(driver, case)[..., 1], center), moments.predicted(settings, size)
     passes = len(methods.plan(settings, size).passes) - 1
     slack = passes * (1.0 + driver.precision.place(max(size)) + driver.precision.line * settings.coc * size[1])
-    beyond = found.reach - wanted.reach
-    assert (beyond > -1.0).all() and (beyond <= slack).all(), (named(settings), size, beyond)
-    allowed = moments.tolerance(settings, size, driver.precision)
-    off = np.abs(found.second - wanted.second).max()
-    assert off <= allowed, (named(settings), size, off, allowed)
+    excess_reach = actual.reach - reference.reach
+    assert (excess_reach > -1.0).all() and (excess_reach <= slack).all(), (named(settings), size, excess_reach)
+    bound = moments.tolerance(settings, size, driver.precision)
+    error = np.abs(actual.second - reference.second).max()
+    assert error <= bound, (named(settings), size, error, bound)
     # the mean moves by at most the error of the samples' positions, and the blend's error times their distance
-    assert np.abs(found.mean - wanted.mean).max() <= allowed, (named(settings), size)
-    return found
+    assert np.abs(actual.mean - reference.mean).max() <= bound, (named(settings), size)
+    return actual
 
 
 @pytest.mark.parametrize("size", SIZES, ids=str)
@@ -106,12 +106,12 @@ def test_presets_never_change_the_size(size, driver):
     presets = [{"spacing": spacing} for spacing in (1.0, 2.0, 4.0)] + [{"samples": samples} for samples in COUNTS]
     for changes in (*presets, {"spacing": 1.0, "squeeze": 0.5}, {"spacing": 1.0, "samples": 7}):
         settings = blur("exact", "hexagon", **{"samples": 33, **changes})
-        found = np.diag(check_spread(driver, settings, size).second)
-        off = found - edge**2 * (2.0 + np.cos(np.pi / 3)) / 12.0 * np.array([settings.squeeze**2, 1.0])
+        second_moments = np.diag(check_spread(driver, settings, size).second)
+        excess = second_moments - edge**2 * (2.0 + np.cos(np.pi / 3)) / 12.0 * np.array([settings.squeeze**2, 1.0])
         cell = max(settings.spacing, edge / settings.count)
-        allowed = moments.tolerance(settings, size, driver.precision)
-        assert (off >= -2 * cell**2 / 12 - allowed).all(), (named(settings), off)
-        assert (off <= 2 / 4 + allowed).all(), (named(settings), off)
+        bound = moments.tolerance(settings, size, driver.precision)
+        assert (excess >= -2 * cell**2 / 12 - bound).all(), (named(settings), excess)
+        assert (excess <= 2 / 4 + bound).all(), (named(settings), excess)
     for samples in COUNTS:
         check_spread(driver, blur("paper", "square", samples=samples), size)
 
@@ -131,13 +131,17 @@ def test_jitter_never_changes_the_size(driver):
     assert pixels / 7 > 2
     for frame in range(frames):
         case, center = highlight(replace(settings, frame=frame), size, 5)
-        found = moments.measured(float_result(driver, case)[..., 1], center)
+        actual = moments.measured(float_result(driver, case)[..., 1], center)
         # half of the highlight, half of the line, and one pixel per pass beyond a sample
-        assert (found.reach <= 2.5 + pixels / 2 + 2).all(), (frame, found.reach)
-        sums.append(np.diag(found.second))
-    wanted = pixels**2 / 12 + (5**2 - 1) / 12
+        assert (actual.reach <= 2.5 + pixels / 2 + 2).all(), (frame, actual.reach)
+        sums.append(np.diag(actual.second))
+    reference = pixels**2 / 12 + (5**2 - 1) / 12
     mean, error = np.mean(sums, axis=0), np.std(sums, axis=0, ddof=1) / np.sqrt(frames)
-    assert (mean >= wanted - 4 * error).all() and (mean <= wanted + 0.5 + 4 * error).all(), (mean, wanted, error)
+    assert (mean >= reference - 4 * error).all() and (mean <= reference + 0.5 + 4 * error).all(), (
+        mean,
+        reference,
+        error,
+    )
 
 
 def check_same(driver: Driver, case: Case, change, settings: Settings, border: int = 0) -> metrics.Comparison:
@@ -223,10 +227,10 @@ def test_exposure(settings, driver):
     rounded = passes * 2.0**-10 + 2 * passes * ((settings.count + 8) * precision.FLOAT_STEP + driver.precision.filter)
     for factor in (1.0, 2.0**-6, 2.0**5, 1.5):
         brighter = replace(case, color=(few_bits * [factor, factor, factor, 1.0]).astype(np.float16))
-        found = pictures[factor] = result(driver, brighter).astype(np.float64)
-        np.testing.assert_array_equal(found[..., 3], pictures[1.0][..., 3])
-        wanted = factor * pictures[1.0][..., :3]
-        np.testing.assert_allclose(found[..., :3], wanted, rtol=rounded * (factor == 1.5), atol=0.0)
+        actual = pictures[factor] = result(driver, brighter).astype(np.float64)
+        np.testing.assert_array_equal(actual[..., 3], pictures[1.0][..., 3])
+        reference = factor * pictures[1.0][..., :3]
+        np.testing.assert_allclose(actual[..., :3], reference, rtol=rounded * (factor == 1.5), atol=0.0)
 
 
 @pytest.mark.parametrize("settings", [*LINEAR, blur("paper", "hexagon")], ids=named)

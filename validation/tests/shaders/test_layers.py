@@ -51,22 +51,22 @@ def test_every_preset(preset, driver):
     case = noise_case((64, 32), settings)
     case.color[4::9, 5::11, :3] = lights.LIGHT
     for coc in (0.0, 0.9, -0.9):
-        found = result(driver, plane(case, coc))
-        np.testing.assert_array_equal(found[..., :3], case.color[..., :3])
+        copied = result(driver, plane(case, coc))
+        np.testing.assert_array_equal(copied[..., :3], case.color[..., :3])
     case = noise_case((61, 43), settings)
     case.color[..., :3] = 0.7, 0.3, 40.0
     noise = np.random.default_rng(5).uniform(0.8, 30.0, case.depth.shape).astype(np.float32)
     # gathered, entering the near and the far layer, in a layer
     planes = [plane(case, coc) for coc in (-24.0, -9.0, -4.0, 4.0, 13.0, 24.0)]
-    for each in (case, replace(case, depth=noise), *planes):
-        off = layered(driver, each) / case.color[..., :3].astype(np.float64) - 1.0
+    for one_color_case in (case, replace(case, depth=noise), *planes):
+        error = layered(driver, one_color_case) / case.color[..., :3].astype(np.float64) - 1.0
         # a mean of one colour: a layer and its weight are truncated three times each, the image once
-        assert np.abs(off).max() <= 4 * near_edges.STEP, each.depth[0]
+        assert np.abs(error).max() <= 4 * near_edges.STEP, one_color_case.depth[0]
     for coc in lights.LIGHT_COCS:
         case = lights.light_case(coc, 1, preset)
-        around = lights.AMBIENT * (1.0 - (lights.light_spread(coc, 1, case.size) if coc < 0 else 0.0))
-        kept = (result(driver, case)[..., 2].astype(np.float64) - around).sum() / lights.LIGHT
-        assert kept == pytest.approx(1.0, abs=0.01), coc
+        surroundings = lights.AMBIENT * (1.0 - (lights.light_spread(coc, 1, case.size) if coc < 0 else 0.0))
+        light_kept = (result(driver, case)[..., 2].astype(np.float64) - surroundings).sum() / lights.LIGHT
+        assert light_kept == pytest.approx(1.0, abs=0.01), coc
 
 
 @pytest.mark.parametrize("preset", methods.PRESETS)
@@ -86,12 +86,12 @@ def test_layered_aspect_and_presets(size, preset, driver):
     middle = [length // 2 for length in size]
     color[middle[1] - 1 : middle[1] + 2, middle[0] - 1 : middle[0] + 2, :3] = 4096.0 / 9
     case = Case("", replace(LAYERED, preset=preset), color, depth_of(size, near_edges.metres(BLUR, size[1])))
-    found = moments.measured(layered(driver, case)[..., 1], (middle[0] + 0.5, middle[1] + 0.5))
+    spread = moments.measured(layered(driver, case)[..., 1], (middle[0] + 0.5, middle[1] + 0.5))
     share = (2.0 + np.cos(2.0 * np.pi / 6)) / 12.0
-    off = np.diag(found.second) - (9 - 1) / 12 - share * BLUR**2 / 4
-    assert (off >= -8 * share - 2 * 2**2 / 12).all() and (off <= 3.25 - 8 * share).all(), off
+    excess = np.diag(spread.second) - (9 - 1) / 12 - share * BLUR**2 / 4
+    assert (excess >= -8 * share - 2 * 2**2 / 12).all() and (excess <= 3.25 - 8 * share).all(), excess
     # the shape is known to half a pixel on each axis, the mean more exactly
-    assert np.abs(found.mean).max() <= 0.5
+    assert np.abs(spread.mean).max() <= 0.5
 
 
 @pytest.mark.parametrize("factor", [0.1, 10.0])
@@ -106,10 +106,10 @@ def test_layered_exposure(case, factor, driver):
     """
     plain = layered(driver, case)
     color = (case.color.astype(np.float64) * [factor, factor, factor, 1.0]).astype(np.float16)
-    off = np.abs(layered(driver, replace(case, color=color)) / factor - plain).max(axis=(0, 1))
+    error = np.abs(layered(driver, replace(case, color=color)) / factor - plain).max(axis=(0, 1))
     slope = np.max([np.abs(np.diff(plain, axis=axis)).max(axis=(0, 1)) for axis in (0, 1)], axis=0)
-    allowed = 3 * near_edges.STEP * BLUR * slope + 4 * near_edges.STEP * plain.max(axis=(0, 1))
-    assert (off <= allowed).all(), (off, allowed)
+    bound = 3 * near_edges.STEP * BLUR * slope + 4 * near_edges.STEP * plain.max(axis=(0, 1))
+    assert (error <= bound).all(), (error, bound)
 
 
 @in_each_language
@@ -120,10 +120,10 @@ def test_layered_quarter_turn(driver):
     drivers'.
     """
     case = noise_case((64, 64), methods.Settings("layered", "hexagon", 7, camera=CAMERA))
-    turned = replace(case.settings, rotation=-90.0)
-    turned = Case("", turned, np.rot90(case.color).copy(), np.rot90(case.depth).copy())
-    found, wanted = (result(driver, item) for item in (turned, case))
-    distance = metrics.steps(found, np.rot90(wanted))
+    rotated = replace(case.settings, rotation=-90.0)
+    rotated = Case("", rotated, np.rot90(case.color).copy(), np.rot90(case.depth).copy())
+    actual, expected = (result(driver, one_case) for one_case in (rotated, case))
+    distance = metrics.steps(actual, np.rot90(expected))
     assert (distance <= metrics.CLOSE_STEPS).mean() >= metrics.CLOSE_SHARE
 
 
@@ -147,13 +147,13 @@ def test_layered_moving_edge(driver):
     alpha is a half, that is half of a half. It may appear and disappear from frame to frame.
     """
     polygon, (width, height) = highlight.polygon_of("hexagon", 0.0, BLUR), near_edges.SIZE
-    x, off = np.arange(width), []
-    for place in width // 2 + MOVES:
-        case = drawn_by_area(np.tile(np.clip(place - x, 0.0, 1.0), (height, 1)))
-        off.append(layered(driver, case)[..., 0] - near_edges.edge_spread(polygon, place - x - 0.5))
-    allowed = near_edges.steepest(polygon) + 0.25 + near_edges.WHOLE + near_edges.STEP
-    assert np.abs(off).max() <= allowed
-    assert np.abs(np.diff(off, axis=0)).max() <= allowed
+    x, errors = np.arange(width), []
+    for edge in width // 2 + MOVES:
+        case = drawn_by_area(np.tile(np.clip(edge - x, 0.0, 1.0), (height, 1)))
+        errors.append(layered(driver, case)[..., 0] - near_edges.edge_spread(polygon, edge - x - 0.5))
+    bound = near_edges.steepest(polygon) + 0.25 + near_edges.WHOLE + near_edges.STEP
+    assert np.abs(errors).max() <= bound
+    assert np.abs(np.diff(errors, axis=0)).max() <= bound
 
 
 @pytest.mark.parametrize("near", [True, False], ids=["near light", "far light beside an edge"])
@@ -166,24 +166,24 @@ def test_layered_moving_light(near, driver):
     probe). In 1/8 pixel that part changes by an eighth of the polygon's width over its area; the bound is twice that,
     in addition to the 0.02.
     """
-    kept, (width, height) = [], near_edges.SIZE
-    for place in MOVES:
-        cover = sweep.disc(near_edges.SIZE, (width / 2 + 4 + place, height / 2 + 0.3), 3.0)
+    light_kept, (width, height) = [], near_edges.SIZE
+    for offset in MOVES:
+        cover = sweep.disc(near_edges.SIZE, (width / 2 + 4 + offset, height / 2 + 0.3), 3.0)
         case, behind = (drawn_by_area(cover), 0) if near else (lights.silhouette_case(), lights.EDGE)
         if near:
             case.color[..., 0] = 0.0
         case.color[:, behind:, 2] = lights.LIGHT * cover[:, behind:]
-        kept.append(layered(driver, case)[..., 2].sum() / (lights.LIGHT * cover.sum()))
-    allowed = 0.02 + (0.0 if near else 2 * near_edges.steepest(highlight.polygon_of("hexagon", 0.0, BLUR)) / 8)
-    assert np.abs(np.diff(kept)).max() <= allowed
-    assert not near or (0.99 <= min(kept) and max(kept) <= 1.01), kept
+        light_kept.append(layered(driver, case)[..., 2].sum() / (lights.LIGHT * cover.sum()))
+    bound = 0.02 + (0.0 if near else 2 * near_edges.steepest(highlight.polygon_of("hexagon", 0.0, BLUR)) / 8)
+    assert np.abs(np.diff(light_kept)).max() <= bound
+    assert not near or (0.99 <= min(light_kept) and max(light_kept) <= 1.01), light_kept
 
 
-def ending(item: Pass, last: str, first: str = "", **changes) -> Pass:
+def ending(render_pass: Pass, last: str, first: str = "", **changes) -> Pass:
     """Return a pass with the statement `last` after its own code, and the lines `first` before it."""
-    version, text = shaders.glsl(item.entry, "330", item.constants).split("\n", 1)
+    version, text = shaders.glsl(render_pass.entry, "330", render_pass.constants).split("\n", 1)
     main = f"#undef main\nvoid main()\n{{\n    entry();\n    {last}\n}}\n"
-    return replace(item, sources={"glsl": f"{version}\n{first}\n#define main entry\n{text}\n{main}"}, **changes)
+    return replace(render_pass, sources={"glsl": f"{version}\n{first}\n#define main entry\n{text}\n{main}"}, **changes)
 
 
 # Targets that need only two channels, by docs/methods/layered.md
@@ -194,11 +194,16 @@ def test_two_channels_are_enough():
     """Check that the targets that docs/methods/layered.md names may be RG16F without changing the image."""
     settings = methods.Settings("layered", "hexagon", 7, camera=CAMERA, use_mrt=False)
     driver, case = load("osmesa"), noise_case((101, 77), settings)
-    passes, last = case.plan.passes, "BokehResult = vec4(BokehResult.rg, 0.0, 1.0);"
-    assert TWO_CHANNELS < {name for item in passes for name in item.outputs}
-    fewer = [ending(item, last) if TWO_CHANNELS.issuperset(item.outputs) else item for item in passes]
-    found, whole = (driver.run(each, case.textures(), case.size)["result"] for each in (fewer, passes))
-    np.testing.assert_array_equal(found, whole)
+    passes, drop_channels = case.plan.passes, "BokehResult = vec4(BokehResult.rg, 0.0, 1.0);"
+    assert TWO_CHANNELS < {name for render_pass in passes for name in render_pass.outputs}
+    fewer = [
+        ending(render_pass, drop_channels) if TWO_CHANNELS.issuperset(render_pass.outputs) else render_pass
+        for render_pass in passes
+    ]
+    from_two_channels, from_four_channels = (
+        driver.run(variant, case.textures(), case.size)["result"] for variant in (fewer, passes)
+    )
+    np.testing.assert_array_equal(from_two_channels, from_four_channels)
 
 
 # Maximum fetches of colour per pixel where passes do most, including the four neighbours in the CoC map
@@ -216,13 +221,13 @@ def counted(settings: methods.Settings, depth: np.ndarray) -> tuple[float, float
     """
     size = depth.shape[::-1]
     passes, scales = [], {}
-    for number, item in enumerate(methods.plan(settings, size).passes):
-        passes.append(item)
-        if item.entry not in COPYING_ENTRIES:
-            name = f"{number} {item.entry}"
-            scales[name] = item.scale
-            outputs = name, *(f"{name}, {k}" for k in range(1, len(item.outputs)))
-            passes.append(ending(item, "BokehResult = vec4(fetched);", COUNTER, output=outputs))
+    for number, render_pass in enumerate(methods.plan(settings, size).passes):
+        passes.append(render_pass)
+        if render_pass.entry not in COPYING_ENTRIES:
+            name = f"{number} {render_pass.entry}"
+            scales[name] = render_pass.scale
+            outputs = name, *(f"{name}, {k}" for k in range(1, len(render_pass.outputs)))
+            passes.append(ending(render_pass, "BokehResult = vec4(fetched);", COUNTER, output=outputs))
     output = load("osmesa").run(passes, {"color": flat(size, 1.0), "depth": depth}, size, keep=list(scales))
     counts = [output[name][..., 0].astype(float) / scale**2 for name, scale in scales.items()]
     # plus the CoC map: the pixel and its four neighbours
@@ -249,8 +254,8 @@ def test_fetches(preset):
     settings = near_edges.settings(preset=preset)
     settings = replace(settings, camera=replace(near_edges.CAMERA, max_coc=COC / SIZE[1]))
     passes = methods.plan(settings, SIZE).passes
-    mean, most = counted(settings, coarse.repeat(2, 0).repeat(2, 1))
-    assert mean <= most <= MOST_FETCHES.get(preset, most)
-    assert most == pytest.approx(fetches.of_frame(passes)["color"])
+    mean, maximum = counted(settings, coarse.repeat(2, 0).repeat(2, 1))
+    assert mean <= maximum <= MOST_FETCHES.get(preset, maximum)
+    assert maximum == pytest.approx(fetches.of_frame(passes)["color"])
     mean, _ = counted(settings, depth_of(SIZE, near_edges.CAMERA.focus_distance))
     assert mean <= IN_FOCUS

@@ -89,17 +89,19 @@ def test_formulas_and_programs_agree(method):
     frames = [*cases.tagged(cases.COVERAGE).values(), *(one for group in SWEEPS.values() for one in group)]
     for settings in (one for one in frames if one.method == method):
         case = noise_case((61, 48), settings)
-        drawn = pass_images.alone(case.plan.passes, case.textures(), case.size, "half", precision.SOFTWARE, "nearest")
-        drawn = case.textures() | drawn.made
-        given = {name: Image(np.atleast_3d(pixels).astype(np.float64)) for name, pixels in drawn.items()}
-        for item in case.plan.passes:
-            inputs = {slot: given[name] for slot, name in item.inputs.items()}
-            written = formulas.run_pass(item, {slot: image.value for slot, image in inputs.items()})
-            ran = kept.run_pass(item, inputs, case.size, precision.SOFTWARE)
+        computed = pass_images.alone(
+            case.plan.passes, case.textures(), case.size, "half", precision.SOFTWARE, "nearest"
+        )
+        computed = case.textures() | computed.made
+        uploaded = {name: Image(np.atleast_3d(pixels).astype(np.float64)) for name, pixels in computed.items()}
+        for render_pass in case.plan.passes:
+            inputs = {slot: uploaded[name] for slot, name in render_pass.inputs.items()}
+            written = formulas.run_pass(render_pass, {slot: image.value for slot, image in inputs.items()})
+            ran = kept.run_pass(render_pass, inputs, case.size, precision.SOFTWARE)
             for value, image in zip(written, ran, strict=True):
-                off = np.abs(value - image.value).max(axis=-1) / np.abs(value).max()
-                assert off[~image.undecided].max() <= ALIKE[method], (item.entry, settings)
-                assert image.undecided.mean() <= 0.04, (item.entry, settings)
+                difference = np.abs(value - image.value).max(axis=-1) / np.abs(value).max()
+                assert difference[~image.undecided].max() <= ALIKE[method], (render_pass.entry, settings)
+                assert image.undecided.mean() <= 0.04, (render_pass.entry, settings)
 
 
 @pytest.mark.parametrize("is_part", [False, True], ids=["whole", "part"])
@@ -109,9 +111,9 @@ def test_alone(is_part):
     frame = coverage_frames.in_part(frame) if is_part else frame
     given = frame.passes, frame.textures, frame.size, "half", precision.SOFTWARE, "zero"
     made, allowed = pass_images.alone(*given)
-    for name, wanted in pass_images.images(*given, given=made).items():
-        for found, value in zip(vars(allowed[name]).values(), vars(wanted).values(), strict=True):
-            np.testing.assert_array_equal(found, value)
+    for name, expected in pass_images.images(*given, given=made).items():
+        for actual, value in zip(vars(allowed[name]).values(), vars(expected).values(), strict=True):
+            np.testing.assert_array_equal(actual, value)
 
 
 CHANGES = [
@@ -135,31 +137,31 @@ def test_intervals_hold_what_they_say(changes, share, monkeypatch):
     camera = methods.Camera(3.3, 0.05, 8.0, max_coc=0.9)
     settings = methods.Settings(**{"method": "layered", "aperture": "hexagon", "camera": camera, **changes})
     case = noise_case((41, 27), settings)
-    drawn, random = pass_images.images(case.plan.passes, case.textures(), case.size), np.random.default_rng(1)
+    computed, random = pass_images.images(case.plan.passes, case.textures(), case.size), np.random.default_rng(1)
     uploaded = {name: Image(np.atleast_3d(pixels).astype(np.float64)) for name, pixels in case.textures().items()}
     linear, times = execution.Texture.linear, 1.0
 
     def off_its_place(texture: execution.Texture, uv: Interval) -> Interval:
         if texture.precision is None:
-            off = random.choice([-1.0, 1.0], uv.value.shape) * precision.GPU.subtexel * times
-            uv = Interval(uv.value + off / np.array(texture.image.size)[:, None])
+            offset = random.choice([-1.0, 1.0], uv.value.shape) * precision.GPU.subtexel * times
+            uv = Interval(uv.value + offset / np.array(texture.image.size)[:, None])
         return linear(texture, uv)
 
     monkeypatch.setattr(execution.Texture, "linear", off_its_place)
-    left = 0
-    for item in case.plan.passes[1:]:
-        given = {slot: (uploaded | drawn)[name].value for slot, name in item.inputs.items()}
-        errors = {slot: share * ("ColorSamp" in slot) * np.abs(value) for slot, value in given.items()}
-        uncertain = {slot: Image(value, errors[slot]) for slot, value in given.items()}
-        moved = {k: Image(value + errors[k] * random.choice([-1.0, 1.0], value.shape)) for k, value in given.items()}
-        size = target_size(item.scale, case.size)
-        wanted = execution.run_pass(item, uncertain, size, precision.GPU)
+    left_interval = 0
+    for render_pass in case.plan.passes[1:]:
+        inputs = {slot: (uploaded | computed)[name].value for slot, name in render_pass.inputs.items()}
+        errors = {slot: share * ("ColorSamp" in slot) * np.abs(value) for slot, value in inputs.items()}
+        uncertain = {slot: Image(value, errors[slot]) for slot, value in inputs.items()}
+        moved = {k: Image(value + errors[k] * random.choice([-1.0, 1.0], value.shape)) for k, value in inputs.items()}
+        size = target_size(render_pass.scale, case.size)
+        expected = execution.run_pass(render_pass, uncertain, size, precision.GPU)
         for times in (1.0, 100.0):
-            for image, result in zip(wanted, execution.run_pass(item, moved, size, None), strict=True):
+            for image, result in zip(expected, execution.run_pass(render_pass, moved, size, None), strict=True):
                 outside = np.abs(result.value - image.value) > image.error
-                assert times > 1.0 or not outside.any(), item.entry
-                left += outside.sum()
-    assert left > 0 or share > 2.0**-10
+                assert times > 1.0 or not outside.any(), render_pass.entry
+                left_interval += outside.sum()
+    assert left_interval > 0 or share > 2.0**-10
 
 
 def test_a_kept_pass_that_is_not_whole(tmp_path, monkeypatch):

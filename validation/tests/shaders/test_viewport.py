@@ -70,32 +70,36 @@ def test_nothing_leaks_in(name, driver):
     textures = {"color": framed(image.color, size, viewport), "depth": framed(image.depth, size, viewport)}
     textures |= plan.tables
     # in shader model 3 the last pass of layered does not fit with a viewport: variants.NO_ROOM
-    passes = [item for item in plan.passes if (driver.name, item.entry) != ("d3d9", "BokehComposite")]
-    scales = {name: item.scale for item in passes for name in item.outputs}
+    passes = [
+        render_pass for render_pass in plan.passes if (driver.name, render_pass.entry) != ("d3d9", "BokehComposite")
+    ]
+    scales = {name: render_pass.scale for render_pass in passes for name in render_pass.outputs}
     # fill every target with NaN first, by debug views at the target's scale
     inputs = {"ColorSamp": "nan", "DepthSamp": "depth"}
     poison = [Pass("BokehDebug", inputs, name, scale=scale) for name, scale in scales.items()]
     outputs = driver.run([*poison, *passes], textures | {"nan": nothing}, size, keep=scales)
     by_pass = settings.method == "layered" or settings.cats_eye > 0.0 or settings.lateral > 0.0
-    given = outputs if by_pass else None
-    wanted = pass_images.images(passes, textures, size, "half", driver.precision, driver.rounding, given=given)
+    device_targets = outputs if by_pass else None
+    expected = pass_images.images(
+        passes, textures, size, "half", driver.precision, driver.rounding, given=device_targets
+    )
     for name in scales if by_pass else (plan.result,):
         x, y, width, height = area = target_area(scales[name], viewport)
-        found = inside(outputs[name], area)
-        assert np.isfinite(found).all(), f"what is around the image leaks into {name}"
+        actual = inside(outputs[name], area)
+        assert np.isfinite(actual).all(), f"what is around the image leaks into {name}"
         # the interval covers positions within the part; at uv near 1 of a wide texture float32 resolves fewer of them
         if max(size) < 1000:
             software = driver.software and name == plan.result and not by_pass
-            part = wanted[name].part(slice(y, y + height), slice(x, x + width))
-            comparison = metrics.compare(found, part, software)
+            image_part = expected[name].part(slice(y, y + height), slice(x, x + width))
+            comparison = metrics.compare(actual, image_part, software)
             assert comparison.outside == 0, (name, comparison)
     if plan.result not in outputs:
         return
-    whole = outputs[plan.result].copy()
-    part = inside(whole, viewport)
-    assert (part[..., :3] >= 0).all() and (np.abs(part[..., 3]) <= 1.0).all()
-    part[:] = np.nan
-    assert np.isnan(whole).all()
+    result = outputs[plan.result].copy()
+    image_part = inside(result, viewport)
+    assert (image_part[..., :3] >= 0).all() and (np.abs(image_part[..., 3]) <= 1.0).all()
+    image_part[:] = np.nan
+    assert np.isnan(result).all()
 
 
 def test_debug_views_and_linear_depth(driver):
@@ -145,6 +149,9 @@ def test_parameters_out_of_range(name, driver):
     image.color[::3, ::5] = np.nan
     plan = methods.in_viewport(methods.plan(SETTINGS["exact, preset"], VIEWPORT[2:]), VIEWPORT, SIZE)
     for value in (-500.0, 0.0, 1e30):
-        passes = [replace(item, parameters={**item.parameters, f"Bokeh{name}": value}) for item in plan.passes]
+        passes = [
+            replace(render_pass, parameters={**render_pass.parameters, f"Bokeh{name}": value})
+            for render_pass in plan.passes
+        ]
         output = driver.run(passes, image.textures(), SIZE)["result"]
         assert np.isfinite(output).all() and (output[..., :3] >= 0).all(), value

@@ -31,9 +31,9 @@ def test_every_entry(method, driver):
 def test_every_entry_is_there():
     """Check that these frames draw all entries but the ones of test_inputs.py, test_drivers.py and test_steady.py."""
     drawn = {
-        item.entry
+        render_pass.entry
         for settings in cases.tagged(cases.ENTRIES).values()
-        for item in methods.plan(settings, (61, 37)).passes
+        for render_pass in methods.plan(settings, (61, 37)).passes
     }
     assert drawn | {"BokehLinearDepth", "BokehDebug", "BokehStableMap"} == set(ENTRIES)
 
