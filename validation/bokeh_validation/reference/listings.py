@@ -31,7 +31,7 @@ def safe_depth(depth: np.ndarray) -> np.ndarray:
     return np.where(depth > MIN_DEPTH, np.minimum(depth, MAX_DEPTH), MIN_DEPTH)
 
 
-# What a depth buffer holds: name -> BokehDepthKind
+# Name of the kind of depth that a buffer holds -> BokehDepthKind
 DEPTH_KINDS = {
     "metres": 0,
     "window": 1,

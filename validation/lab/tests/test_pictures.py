@@ -47,7 +47,7 @@ def test_gallery(tmp_path, asked):
 def test_pictures_are_those_of_the_document(tmp_path, asked):
     """Draw figures and compare them with the stored ones, apart from differences between drivers.
 
-    Those of Figure 1 need a download, which may fail.
+    The images of Figure 1 need a download, which may fail.
     """
     given = asked("figure_12", *(name for name in FIGURES if name != "figure_12"))
     done = called("pictures", *given, "--output", tmp_path)
