@@ -53,8 +53,8 @@ def application() -> typer.Typer:
         context_settings={"help_option_names": ["-h", "--help"]},
     )
     app.callback(invoke_without_command=True)(default)
-    asked = [word for word in sys.argv[1:] if word in COMMANDS][:1]
-    for name in asked or (COMMANDS if {"-h", "--help"} & set(sys.argv) else ()):
+    named_command = [word for word in sys.argv[1:] if word in COMMANDS][:1]
+    for name in named_command or (COMMANDS if {"-h", "--help"} & set(sys.argv) else ()):
         module = importlib.import_module(COMMANDS[name])
         app.command(name)(getattr(module, FUNCTIONS.get(name, name)))
     return app

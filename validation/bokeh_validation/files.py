@@ -59,11 +59,11 @@ def new_folder(option: str, folder: Path, fill: Callable[[Path], object]) -> Non
     if folder.exists() and not (folder.is_dir() and not any(folder.iterdir())):
         raise UserError(f"{option} {folder}: is not empty. Name a folder that is new or empty.")
     with tempfile.TemporaryDirectory(prefix="bokeh-") as parent:
-        made = Path(parent, "made")
-        made.mkdir()
-        fill(made)
+        temporary = Path(parent, "made")
+        temporary.mkdir()
+        fill(temporary)
         try:
-            shutil.copytree(made, folder, dirs_exist_ok=True)
+            shutil.copytree(temporary, folder, dirs_exist_ok=True)
         except OSError as error:
             raise UserError(f"{option} {folder}: cannot be written ({error}). Name another place.") from error
 

@@ -59,6 +59,6 @@ def kept(folder: str, suffix: str, ingredients: Iterable[str | bytes | Path], ma
     """
     file = paths.ensured(paths.cache_folder() / folder) / f"{digest(ingredients)[:32]}{suffix}"
     if not file.exists():
-        made = make()
-        files.whole(file, lambda partial: partial.write_bytes(made))
+        content = make()
+        files.whole(file, lambda partial: partial.write_bytes(content))
     return file

@@ -15,9 +15,9 @@ def cache_folder() -> Path:
     """Return the folder for downloads, the virtual environment and reports: $BOKEH_CACHE, else below the user's cache
     folder.
     """
-    named = os.environ.get("BOKEH_CACHE")
-    if named:
-        return Path(named)
+    from_environment = os.environ.get("BOKEH_CACHE")
+    if from_environment:
+        return Path(from_environment)
     base = os.environ.get("XDG_CACHE_HOME") or os.path.join(os.path.expanduser("~"), ".cache")
     return Path(base) / "bokeh-validation"
 

@@ -84,8 +84,8 @@ def grid(rows: Sequence[Sequence[Captioned]]) -> np.ndarray:
         for panel, lines in zip(row, row_captions, strict=True):
             page.paste(Image.fromarray(panel.pixels), (left, top))
             for number, line in enumerate(lines):
-                place = (left + panel.pixels.shape[1] / 2, top + height + 4 + (number + 0.5) * LINE_HEIGHT)
-                draw.text(place, line, fill=INK, font=_font(), anchor="mm")
+                position = (left + panel.pixels.shape[1] / 2, top + height + 4 + (number + 0.5) * LINE_HEIGHT)
+                draw.text(position, line, fill=INK, font=_font(), anchor="mm")
             left += panel.pixels.shape[1] + GAP
         top += height + text_height + GAP
     return np.asarray(page)
@@ -148,9 +148,9 @@ def write_document(folder: Path, name: str, pixels: np.ndarray) -> Path:
 
 def write_animation(folder: Path, name: str, frames: Sequence[np.ndarray], milliseconds: int, quality: int) -> Path:
     """Write 8-bit rgb frames as NAME.webp, a lossy animation that loops forever, and return its path."""
-    first, *others = map(Image.fromarray, frames)
+    first, *further = map(Image.fromarray, frames)
     buffer, path = io.BytesIO(), folder / f"{name}.webp"
-    options = {"save_all": True, "append_images": others, "duration": milliseconds, "loop": 0, "method": 6}
+    options = {"save_all": True, "append_images": further, "duration": milliseconds, "loop": 0, "method": 6}
     first.save(buffer, "WEBP", quality=quality, **options)
     files.whole(path, lambda partial: partial.write_bytes(buffer.getvalue()))
     return path

@@ -39,14 +39,14 @@ def render(
     """Blur an EXR with the shaders on a real driver."""
     terminal.check_writable(target, png)
     scene = read(source, settings, depth_channel, layer)
-    used, plan = terminal.pick_driver(driver, adapter), methods.plan(settings, scene.size)
+    active_driver, plan = terminal.pick_driver(driver, adapter), methods.plan(settings, scene.size)
     textures = {"color": scene.color, "depth": scene.depth, **plan.tables}
     try:
-        result = used.run(plan.passes, textures, scene.size, scene.storage)["result"]
+        result = active_driver.run(plan.passes, textures, scene.size, scene.storage)["result"]
     except Unavailable as error:
-        raise UserError(f"--driver {used.name}: {error}.") from error
+        raise UserError(f"--driver {active_driver.name}: {error}.") from error
     exr.write(target, result)
     if png is not None:
         pictures.write_png(png, pictures.display(result, tone_map=True))
     size = f"{result.shape[1]} x {result.shape[0]}"
-    terminal.console.print(f"{target}: {size}, {result.dtype}, by {used.name} ({used.adapter})")
+    terminal.console.print(f"{target}: {size}, {result.dtype}, by {active_driver.name} ({active_driver.adapter})")

@@ -75,26 +75,26 @@ def progress(description: str, total: int) -> Iterator[Callable[[str], None]]:
         yield lambda text: bar.update(task, advance=1, description=f"{description} {text}")
 
 
-def parsed_size(text: str, least: int, most: int) -> tuple[int, int]:
-    """Parse --size such as '1920x1080' into (width, height), each side `least` to `most` pixels. Raises UserError."""
+def parsed_size(text: str, minimum: int, maximum: int) -> tuple[int, int]:
+    """Parse --size such as '1920x1080' into (width, height) with sides within the limits, pixels. Raises UserError."""
     match = re.fullmatch(r"([0-9]{1,6})x([0-9]{1,6})", text)
     size = (int(match[1]), int(match[2])) if match else (0, 0)
-    if not all(least <= side <= most for side in size):
-        raise UserError(f"--size {text}: not allowed. Give {least} to {most} pixels a side, such as 1920x1080.")
+    if not all(minimum <= side <= maximum for side in size):
+        raise UserError(f"--size {text}: not allowed. Give {minimum} to {maximum} pixels a side, such as 1920x1080.")
     return size
 
 
 def chosen(
-    option: str, given: Iterable[str] | None, known: Iterable[str], default: Iterable[str] | None = None
+    option: str, names: Iterable[str] | None, allowed: Iterable[str], default: Iterable[str] | None = None
 ) -> list[str]:
-    """Return the names given for an option in the order of `known`; if none are given, `default`, else all.
+    """Return the names given for an option in the order of `allowed`; if none are given, `default`, else all.
 
     Raises UserError for an unknown name.
     """
-    for name in given or ():
-        if name not in known:
-            raise UserError(f"{option} {name}: unknown. Give one of {', '.join(known)}.")
-    return [name for name in known if name in (given or default or known)]
+    for name in names or ():
+        if name not in allowed:
+            raise UserError(f"{option} {name}: unknown. Give one of {', '.join(allowed)}.")
+    return [name for name in allowed if name in (names or default or allowed)]
 
 
 def check_writable(*targets: Path | None) -> None:
@@ -133,17 +133,17 @@ def pick_drivers(names: Iterable[str], adapter: str | None) -> tuple[list["Drive
     """
     from bokeh_validation import drivers
 
-    found, missing = [], {}
+    loaded, missing = [], {}
     for name in names:
         check_driver(name)
         try:
-            found.append(drivers.load(name, adapter))
+            loaded.append(drivers.load(name, adapter))
         except Unavailable as error:
             missing[name] = str(error)
-    if not found:
+    if not loaded:
         reasons = "; ".join(f"{name}: {reason}" for name, reason in missing.items())
         raise UserError(f"none of the drivers is on this machine ({reasons}). See validation/run doctor.")
-    return found, missing
+    return loaded, missing
 
 
 def check_driver(name: str) -> None:

@@ -38,24 +38,24 @@ def truth(
 
     With --random or --motion: on rasterised scenes, with faults counted, or flicker measured.
     """
-    given = {"--scene": scene, "--random": count, "--motion": sequence}
-    if len(several := [name for name, value in given.items() if value is not None]) > 1:
+    kinds_of_scene = {"--scene": scene, "--random": count, "--motion": sequence}
+    if len(several := [name for name, value in kinds_of_scene.items() if value is not None]) > 1:
         raise UserError(f"{' and '.join(several)}: those are different pictures. Give one of them.")
     if seed is not None and (count is None or seed < 0):
         raise UserError(f"--seed {seed}: not allowed. Give 0 or more, with --random N.")
     if count is not None and not 1 <= count <= MOST_RANDOM:
         raise UserError(f"--random {count}: not allowed. Give 1 to {MOST_RANDOM}.")
-    known, default = (METHODS, DEFAULT) if sequence is None else (motion.KNOWN, motion.DEFAULT)
+    allowed, default = (METHODS, DEFAULT) if sequence is None else (motion.KNOWN, motion.DEFAULT)
     method = [labels.complete(name) for name in method] if method else method
-    chosen = terminal.chosen("--method", method, known, default if count is None else DEFAULT[-1:])
+    chosen = terminal.chosen("--method", method, allowed, default if count is None else DEFAULT[-1:])
     names, scenes = motion.chosen(sequence), ray_traced.chosen(scene)
     terminal.check_writable(json_file)
-    used = terminal.pick_driver(driver, adapter)
+    active_driver = terminal.pick_driver(driver, adapter)
     if count is not None:
-        rows, lines = random_score.report(chosen, used.name, adapter, range(seed or 0, (seed or 0) + count))
+        rows, lines = random_score.report(chosen, active_driver.name, adapter, range(seed or 0, (seed or 0) + count))
     elif sequence is not None:
-        rows, lines = motion.report(chosen, used.name, adapter, names)
+        rows, lines = motion.report(chosen, active_driver.name, adapter, names)
     else:
-        rows, lines = ray_traced_report(chosen, used, scenes)
-    terminal.write_json(json_file, {"driver": used.name, "adapter": used.adapter, "rows": rows})
-    terminal.tell(*lines, f"{used.name} ({used.adapter})")
+        rows, lines = ray_traced_report(chosen, active_driver, scenes)
+    terminal.write_json(json_file, {"driver": active_driver.name, "adapter": active_driver.adapter, "rows": rows})
+    terminal.tell(*lines, f"{active_driver.name} ({active_driver.adapter})")

@@ -203,11 +203,15 @@ def _loop() -> asyncio.AbstractEventLoop:
 
 def executable() -> str:
     """Return the path of Chromium. Raises Unavailable."""
-    named = os.environ.get(VARIABLE)
-    for name in (named,) if named else NAMES:
+    from_environment = os.environ.get(VARIABLE)
+    for name in (from_environment,) if from_environment else NAMES:
         if path := shutil.which(name):
             return path
-    missing = f"{VARIABLE} names no program: {named}" if named else f"Chromium is not on this machine; {INSTALL}"
+    missing = (
+        f"{VARIABLE} names no program: {from_environment}"
+        if from_environment
+        else f"Chromium is not on this machine; {INSTALL}"
+    )
     raise Unavailable(missing)
 
 

@@ -86,13 +86,13 @@ def materials() -> dict[str, str]:
     return files
 
 
-def guid(place: str) -> str:
+def guid(path_in_package: str) -> str:
     """Return the GUID of a file of Unity's package, from the names of package and file.
 
     It stays the same in later versions, because scenes and profiles refer to it.
     """
     package = json.loads((paths.ROOT / UNITY / "package.json").read_bytes())["name"]
-    return hashlib.md5(f"{package}/{place}".encode()).hexdigest()
+    return hashlib.md5(f"{package}/{path_in_package}".encode()).hexdigest()
 
 
 def _changed(text: str, changes: tuple[tuple[str, str], ...]) -> str:
@@ -103,11 +103,11 @@ def _changed(text: str, changes: tuple[tuple[str, str], ...]) -> str:
     return text
 
 
-def metas(made: Mapping[str, str]) -> dict[str, str]:
-    """Return a .meta file for everything in Unity's package and in `made`; Unity ignores files without one."""
+def metas(generated: Mapping[str, str]) -> dict[str, str]:
+    """Return a .meta file for everything in Unity's package and in `generated`; Unity ignores files without one."""
     folder = paths.ROOT / UNITY
     package_paths = {path.relative_to(folder).as_posix() for path in folder.rglob("*") if "~/" not in f"{path}/"}
-    package_paths |= {name.removeprefix(f"{UNITY}/") for name in made if name.startswith(UNITY)}
+    package_paths |= {name.removeprefix(f"{UNITY}/") for name in generated if name.startswith(UNITY)}
     package_paths |= {posixpath.dirname(name) for name in package_paths} - {""}
     meta_files = {}
     for path_in_package in (name for name in package_paths if not name.endswith(".meta")):

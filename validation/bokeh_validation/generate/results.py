@@ -64,10 +64,10 @@ def tables() -> dict[str, dict[str, Table]]:
 
 def markdown(rows: Table) -> Iterator[str]:
     """Yield the lines of a Markdown table."""
-    header, *others = rows
+    header, *body = rows
     yield f"| {' | '.join(header)} |"
     yield f"|{'---|' * len(header)}"
-    for cells in others:
+    for cells in body:
         yield f"| {' | '.join(cells)} |"
 
 
@@ -81,8 +81,8 @@ def as_csv() -> str:
     pages = tables()
     # results.md repeats results-data.md
     del pages["results.md"]
-    for page, named in pages.items():
-        for table, (header, *rows) in named.items():
+    for page, page_tables in pages.items():
+        for table, (header, *rows) in page_tables.items():
             labels = 2 if header[1] == "preset" else 1
             for row in rows:
                 label = ", ".join(filter(None, row[:labels]))

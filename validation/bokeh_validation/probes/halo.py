@@ -59,8 +59,8 @@ def probe(aperture: str) -> Probe:
     color, depth, covered = scene()
     dense = methods.Settings("exact", aperture, rotation=TURN, camera=CAMERA, spacing=1.0, samples=33)
     naive = methods.Settings("naive", aperture, NAIVE_SAMPLES, TURN, CAMERA)
-    chosen = {"exact": dense, "naive": naive, "naive, no test": replace(naive, leak_fix=False)}
-    cases = tuple(Case(label, settings, color, depth) for label, settings in chosen.items())
+    settings_by_label = {"exact": dense, "naive": naive, "naive, no test": replace(naive, leak_fix=False)}
+    cases = tuple(Case(label, settings, color, depth) for label, settings in settings_by_label.items())
     title = f"A sharp object leaks no more than by a gather in two dimensions, {aperture}"
     shows = "A red object, nearly in focus, with no red around it but what its own small CoC spreads."
     return Probe(f"halo-{aperture}", title, shows, cases, partial(_judge, covered), aperture != "octagon")

@@ -74,17 +74,21 @@ def _judge_lights(pixels: int, outputs: dict[str, Outputs]) -> list[Check]:
         lit = blue - AMBIENT * (1.0 - (spread * pixels**2 if coc < 0 else 0.0))
         checks.append(Check(f"light kept, {label}", lit.sum() / total, 0.99, 1.01, "asked for"))
         if preset == "high":
-            least, why = LIGHT_PIXELS[pixels], "asked for at 18 samples"
+            overlap_bound, why = LIGHT_PIXELS[pixels], "asked for at 18 samples"
         elif abs(coc) < 80:
             # a far light below 12.4 pixels is gathered, in two rings 1/5 of the CoC apart, with 19 samples: each of
             # them finds the whole light once, so they cover as many pixels of the hexagon as 19 lights
-            least = light_bokeh(coc, pixels, size).least_overlap(max(0.5, coc / 10.0) if 0 < coc < 12.4 else 0.5)
+            overlap_bound = light_bokeh(coc, pixels, size).least_overlap(
+                max(0.5, coc / 10.0) if 0 < coc < 12.4 else 0.5
+            )
             why = "texels of half the size lie half a pixel off the pixels; the gather's rings are known to half a step"
             if 0 < coc < 12.4:
-                least = min(least, 19 * pixels**2 / (0.6495 * coc**2))
+                overlap_bound = min(overlap_bound, 19 * pixels**2 / (0.6495 * coc**2))
         else:
             continue
-        checks.append(Check(f"overlap with the polygon, {label}", overlap(lit / total, spread), least, 1.0, why))
+        checks.append(
+            Check(f"overlap with the polygon, {label}", overlap(lit / total, spread), overlap_bound, 1.0, why)
+        )
     return checks
 
 
@@ -125,14 +129,14 @@ def silhouette_case() -> Case:
 def _judge_silhouette(outputs: dict[str, Outputs]) -> list[Check]:
     result = outputs["silhouette"]["result"]
     sharp, behind = result[:, :EDGE], result[:, EDGE:]
-    off = np.abs(sharp[..., 1] / checker(SIZE).astype(np.float16)[:, :EDGE] - 1.0).max()
+    error = np.abs(sharp[..., 1] / checker(SIZE).astype(np.float16)[:, :EDGE] - 1.0).max()
     darkest = behind[..., 0].min() / float(np.float16(BEHIND))
     rim = "no dark rim: a mean of one colour; the layer and its share are cut off three times, the picture once"
     light = behind[..., 2].sum() / (far_spread(EDGE + BESIDE)[:, EDGE:].sum() * 9.0 * LIGHT)
     why = "what the silhouette hides is taken like the rest; a pixel beside it sees half of its polygon or more"
     return [
         Check("light on the sharp side", sharp[..., 2].max(), 0.0, 0.0, "nothing behind it can be sampled there"),
-        Check("the sharp side, off by", off, 0.0, STEP, "a quotient that is 1 but for rounding, and its store"),
+        Check("the sharp side, off by", error, 0.0, STEP, "a quotient that is 1 but for rounding, and its store"),
         Check("darkest behind, in units of what is there", darkest, 1 - 4 * STEP, 1 + 4 * STEP, rim),
         Check("the silhouette's light behind it", behind[..., 1].max(), 0.0, 0.0, "it does not spread"),
         Check("light behind it, in units of the polygon's part there", light, 0.99, 2.0, why),

@@ -59,14 +59,14 @@ HALF_PIXEL = "texels of half the size lie half a pixel off the pixels: so is an 
 FILLED = "what is hidden is filled with a mean of what is around, 0.1 to 0.8; three stores, over 1 - alpha"
 
 
-def near_case(label: str, coc: float, near: np.ndarray, chosen: methods.Settings) -> Case:
+def near_case(label: str, coc: float, near: np.ndarray, case_settings: methods.Settings) -> Case:
     """Return a red near object, `near` (H, W) bool, over a green checker in focus. `coc` is in pixels."""
     height, width = near.shape
     color, depth = flat((width, height)), depth_of((width, height), CAMERA.focus_distance)
     color[..., 0] = near
     color[..., 1] = np.where(near, 0.0, checker((width, height)))
     depth[near] = metres(-coc, height)
-    return Case(label, chosen, color, depth)
+    return Case(label, case_settings, color, depth)
 
 
 def edge_case(coc: float, aperture: str, rotation: float) -> Case:

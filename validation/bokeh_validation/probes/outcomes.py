@@ -98,8 +98,15 @@ def of_probe(probe: Probe, name: str, adapter: str | None = None) -> Outcome:
 def of_driver(probe: Probe, driver: Driver) -> Outcome:
     """Draw a probe on a driver, compare it with the reference and judge it."""
     results = [compared(case, driver) for case in probe.cases]
-    outputs = {r.case.label: {k: pixels.astype(np.float64) for k, pixels in r.outputs.items()} for r in results}
-    comparisons = {f"{r.case.label}, {name}": c for r in results for name, c in r.comparisons.items()}
+    outputs = {
+        case_result.case.label: {target: pixels.astype(np.float64) for target, pixels in case_result.outputs.items()}
+        for case_result in results
+    }
+    comparisons = {
+        f"{case_result.case.label}, {name}": comparison
+        for case_result in results
+        for name, comparison in case_result.comparisons.items()
+    }
     strips = {}
     for result in results:
         for name in result.case.keep:

@@ -71,7 +71,7 @@ class Library:
         typedefs = "".join(f"typedef float {name};\n" for name in types)
         definition = c_parser.CParser().parse(typedefs + text).ext[-1]
         arguments = definition.decl.type.args
-        parameters = tuple(item.name for item in arguments.params) if arguments else ()
+        parameters = tuple(parameter.name for parameter in arguments.params) if arguments else ()
         return Function(function["name"], parameters, definition.body)
 
 

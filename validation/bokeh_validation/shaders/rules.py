@@ -44,18 +44,18 @@ DECLARED = re.compile(
 
 
 def findings(text: str, language: str, is_library: bool) -> Iterator[tuple[int, str, str]]:
-    """Yield everything that is wrong with a file, as (line number, what, text of the line).
+    """Yield every broken rule of a file, as (line number, rule, text of the line).
 
     is_library  True for all files except bokeh_passes.*
     """
     lines = text.split("\n")
-    for place, what in _findings(text, language, is_library):
-        number = text.count("\n", 0, place)
-        yield number + 1, what, lines[number]
+    for offset, rule in _findings(text, language, is_library):
+        number = text.count("\n", 0, offset)
+        yield number + 1, rule, lines[number]
 
 
 def _findings(text: str, language: str, is_library: bool) -> Iterator[tuple[int, str]]:
-    """Yield (offset, what)."""
+    """Yield (offset, rule) for every broken rule."""
     version, header = f"Version {bokeh_validation.__version__}.", re.match(r"(?://.*\n)*", text)[0]
     if not text.startswith(SPDX) or re.findall(r"Version [\d.]+", header) != [version]:
         yield 0, f"not {SPDX.strip()!r} first, and {version!r} once in the header"
@@ -64,10 +64,10 @@ def _findings(text: str, language: str, is_library: bool) -> Iterator[tuple[int,
     code = re.sub("//.*", lambda comment: " " * len(comment[0]), text)
     begins = re.search(r"^// (?:\[3\]|Layers:|Listing 1:|Lens:) ", text, re.MULTILINE) if is_library else None
     common = begins.start() if begins else 0
-    for what, pattern in LINE.items():
-        yield from ((match.start(), what) for match in re.compile(pattern, re.MULTILINE).finditer(text))
-    for what, pattern in COMMON.items():
-        yield from ((match.start(), what) for match in re.compile(pattern).finditer(code, common))
+    for rule, pattern in LINE.items():
+        yield from ((match.start(), rule) for match in re.compile(pattern, re.MULTILINE).finditer(text))
+    for rule, pattern in COMMON.items():
+        yield from ((match.start(), rule) for match in re.compile(pattern).finditer(code, common))
     for declaration in DECLARED.finditer(code):
         name = declaration[declaration.lastindex]
         if not re.match(r"Bokeh|BOKEH_|bokeh", name) and (is_library or name != "main"):
@@ -90,6 +90,6 @@ def _interface(text: str, language: str) -> Iterator[tuple[int, str]]:
     blocks = {"parameters": [form[language].format(name, number) for number, name in enumerate(PARAMETERS)]}
     if language == "glsl":
         blocks["values of BOKEH_PASS"] = [f"#define {name} {number}" for number, name in enumerate(names, 1)]
-    for what, rows in blocks.items():
+    for list_name, rows in blocks.items():
         if not re.search(r"[\n{]\n" + re.escape("\n".join(rows)) + r"\n[\n}]", text):
-            yield 0, f"{what}: not those of the harness"
+            yield 0, f"{list_name}: not those of the harness"

@@ -135,9 +135,9 @@ def load(quick: bool = False, main: bool = False) -> list[Program]:
     main   with the main compilers only
     """
     programs = []
-    for language, profile, main_compilers, others in VARIANTS:
+    for language, profile, main_compilers, other_compilers in VARIANTS:
         variant = language if language == profile else f"{language}-{profile}"
-        compilers = tuple((main_compilers if main else f"{main_compilers} {others}").split())
+        compilers = tuple((main_compilers if main else f"{main_compilers} {other_compilers}").split())
         for entry, count in _entries(quick):
             programs.append(Program(variant, language, profile, entry, count, compilers))
         for switch, values in () if quick else SWITCHES.items():
@@ -147,8 +147,8 @@ def load(quick: bool = False, main: bool = False) -> list[Program]:
             for entry in (entries.ENTRIES[f"Bokeh{name}"] for name in SWITCHED.split()):
                 noticed = any(part in entry.name for part in NOTICED_BY.get(switch, ("",)))
                 if noticed and not any(part in entry.name for part in no_room):
-                    count, named = None if entry.layers else 7, f"{variant}-{switch}"
-                    programs.append(Program(named, language, profile, entry.name, count, compilers, values))
+                    count, variant_name = None if entry.layers else 7, f"{variant}-{switch}"
+                    programs.append(Program(variant_name, language, profile, entry.name, count, compilers, values))
     return programs
 
 

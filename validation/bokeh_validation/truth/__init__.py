@@ -49,7 +49,7 @@ def markdown(rows: Sequence[Mapping]) -> list[str]:
 
 
 def ray_traced_report(
-    methods: Sequence[str], used: Driver, scenes: Sequence[SceneFile]
+    methods: Sequence[str], driver: Driver, scenes: Sequence[SceneFile]
 ) -> tuple[list[dict], list[str]]:
     """Measure the methods on the scenes; returns the rows and their Markdown table."""
     rows = []
@@ -57,6 +57,6 @@ def ray_traced_report(
         for file in scenes:
             lens = ray_traced.truth(file, "hexagon")
             for label in methods:
-                rows.append({"scene": file.name, "label": label, **measured(picture(used, file, label), lens)})
+                rows.append({"scene": file.name, "label": label, **measured(picture(driver, file, label), lens)})
                 step(f"{file.name}, {label}")
     return rows, markdown(rows)

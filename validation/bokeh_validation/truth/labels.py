@@ -22,9 +22,9 @@ def complete(label: str) -> str:
 def settings(label: str, camera: Camera, aperture: str = "hexagon", **changes) -> Settings:
     """Return the settings of one of METHODS or JITTERED, with `changes`."""
     (method, _, preset), jitter = label.removesuffix(", jitter").partition(" "), float(label in JITTERED)
-    own = {"spacing": 1.0} if method == "exact" else {"preset": preset} if preset else {}
+    of_method = {"spacing": 1.0} if method == "exact" else {"preset": preset} if preset else {}
     name = method if method in ("paper", "layered") else "exact"
-    return Settings(name, aperture, **{"camera": camera, "jitter": jitter, **own, **changes})
+    return Settings(name, aperture, **{"camera": camera, "jitter": jitter, **of_method, **changes})
 
 
 def picture(driver: Driver, label: str, case: Case) -> np.ndarray:

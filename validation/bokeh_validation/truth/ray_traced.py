@@ -47,8 +47,8 @@ DRIVER_SCENES = (STREET, CANOPY)
 
 def chosen(names: Iterable[str] | None) -> list[SceneFile]:
     """Return the scenes chosen with --scene, or all of them. Raises UserError for an unknown name."""
-    known = {scene.name: scene for scene in SCENES}
-    return [known[name] for name in terminal.chosen("--scene", names, known)]
+    scenes = {scene.name: scene for scene in SCENES}
+    return [scenes[name] for name in terminal.chosen("--scene", names, scenes)]
 
 
 def scene_case(scene: SceneFile, method: str, aperture: str) -> Case:

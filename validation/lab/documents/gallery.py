@@ -115,17 +115,17 @@ def drawn(
     case = ray_traced.scene_case(ray_traced.MARKET, method, aperture)
     depth = case.depth if metres is None else np.full_like(case.depth, metres)
     case = replace(case, depth=depth, settings=replace(case.settings, **changes))
-    (first, *others), textures = case.plan.passes, case.textures()
+    (first, *later_passes), textures = case.plan.passes, case.textures()
     coc = driver.run([first], textures, case.size, keep=("coc",))["coc"]
     results = {}
     for shift in {axial[0], 0.0, axial[1]}:
-        given = {**textures, "coc": coc + np.float16([0.0, 0.0, 0.0, shift])}
-        results[shift] = driver.run(others, given, case.size, keep=(target,))[target]
+        with_shifted_coc = {**textures, "coc": coc + np.float16([0.0, 0.0, 0.0, shift])}
+        results[shift] = driver.run(later_passes, with_shifted_coc, case.size, keep=(target,))[target]
     channels = [results[shift][..., k] for k, shift in enumerate((axial[0], 0.0, axial[1]))]
     pixels = pictures.filmic(np.stack(channels, axis=-1), exposure)
     if scale:
-        shown = np.clip(np.stack([channels[0], channels[1], 0.0 * channels[1]], axis=-1) * scale, 0.0, 1.0)
-        pixels = (255.0 * shown).astype(np.uint8)
+        colored = np.clip(np.stack([channels[0], channels[1], 0.0 * channels[1]], axis=-1) * scale, 0.0, 1.0)
+        pixels = (255.0 * colored).astype(np.uint8)
     while not cut and pixels.shape[1] <= width // 2:
         pixels = pixels.repeat(2, axis=0).repeat(2, axis=1)
     while not cut and pixels.shape[1] > width:
@@ -137,8 +137,8 @@ def pull(driver: Driver) -> list[np.ndarray]:
     """Draw a focus pull from the leaves to the street and back, 8-bit rgb; even in 1 / distance, slower at the ends."""
     way = 0.5 - 0.5 * np.cos(np.linspace(0.0, np.pi, PULL_FRAMES))
     distances = 1.0 / (1.0 / NEAREST + way * (1.0 / FARTHEST - 1.0 / NEAREST))
-    there = [drawn(driver, camera=replace(CAMERA, focus_distance=float(metres))) for metres in distances]
-    return [*there, *there[-2:0:-1]]
+    forward = [drawn(driver, camera=replace(CAMERA, focus_distance=float(metres))) for metres in distances]
+    return [*forward, *forward[-2:0:-1]]
 
 
 def gallery(driver: Driver, name: str) -> dict[str, np.ndarray]:

@@ -22,7 +22,7 @@ PLACES, DETAIL_SIZE = {"market_7": (600, 220), "street_11": (225, 150), "canopy_
 
 def likeness(driver: Driver, scene: ray_traced.SceneFile) -> dict[str, np.ndarray]:
     """Draw a detail at twice its size, and market_7 at half size; returns file name -> 8-bit rgb."""
-    place, exposed = PLACES[scene.name.removesuffix("x3")], {}
+    corner, exposed = PLACES[scene.name.removesuffix("x3")], {}
 
     def shown(label: str) -> np.ndarray:
         if label not in exposed:
@@ -36,9 +36,9 @@ def likeness(driver: Driver, scene: ray_traced.SceneFile) -> dict[str, np.ndarra
         return pictures.grid([panels[:2], panels[2:]])
 
     def enlarged(pixels: np.ndarray) -> np.ndarray:
-        return pictures.enlarged(pictures.crop(pixels, *place, *DETAIL_SIZE), 2)
+        return pictures.enlarged(pictures.crop(pixels, *corner, *DETAIL_SIZE), 2)
 
-    found = {f"likeness_{scene.name}_detail": sheet("gather", enlarged)}
+    images = {f"likeness_{scene.name}_detail": sheet("gather", enlarged)}
     if scene is ray_traced.MARKET:
-        found[f"likeness_{scene.name}"] = sheet("paper", pictures.halved)
-    return found
+        images[f"likeness_{scene.name}"] = sheet("paper", pictures.halved)
+    return images

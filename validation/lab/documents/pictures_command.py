@@ -101,15 +101,15 @@ def draw_pictures(
     if state:
         stale = {Path(path).stem for path in older()}
         return terminal.tell(*(f"{name}{': older than its shaders' * (name in stale)}" for name in BY_NAME))
-    wanted = terminal.chosen("NAME", names, BY_NAME)
+    chosen_names = terminal.chosen("NAME", names, BY_NAME)
     files.check_folder("--output", folder)
-    used = terminal.pick_driver(driver, adapter)
-    for drawing in (one for one in DRAWINGS if set(one.names) & set(wanted)):
+    active_driver = terminal.pick_driver(driver, adapter)
+    for drawing in (candidate for candidate in DRAWINGS if set(candidate.names) & set(chosen_names)):
         try:
-            written = write(drawing, drawing.draw(used), wanted, folder)
+            written = write(drawing, drawing.draw(active_driver), chosen_names, folder)
         except Unavailable as error:
             terminal.tell(f"not drawn, {', '.join(drawing.names)}: {error}")
             continue
         if folder is None:
             record(*written)
-        terminal.tell(*(f"{path}, by {used.name} ({used.adapter})" for path in written))
+        terminal.tell(*(f"{path}, by {active_driver.name} ({active_driver.adapter})" for path in written))

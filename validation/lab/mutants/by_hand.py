@@ -36,17 +36,21 @@ def mutants() -> Iterator[Mutant]:
     """Yield each of these mutants. Raises UserError if one does not fit the shaders."""
     for number, (driver, file, function, old, new) in enumerate(MISTAKES, 1):
         key = f"{LANGUAGES[driver]}/{file}.{LANGUAGES[driver]}"
-        place = f"Bokeh{function}" if function else file
+        function_name = f"Bokeh{function}" if function else file
         pairs = {old: new.removeprefix("<->")}
         if new.startswith("<->"):
             pairs |= {after: before for before, after in pairs.items()}
         text = before = originals()[key]
-        spans = [found.span("body") for name, found in calls.found_functions(text) if name == place]
+        spans = [match.span("body") for name, match in calls.found_functions(text) if name == function_name]
         # HLSL may have two functions of a name, in branches of an #if
         for start, end in reversed(spans if function else [(0, len(text))]):
             pattern = "|".join(map(re.escape, pairs))
-            body = re.sub(pattern, lambda found, pairs=pairs: pairs[found[0]], text[start:end])
+            body = re.sub(pattern, lambda match, pairs=pairs: pairs[match[0]], text[start:end])
             text = text[:start] + body + text[end:]
         if text == before:
-            raise UserError(f"mutants: {old!r} is not in {place} of {key}. Bring mutants/by_hand.py up to date.")
-        yield Mutant(f"porting-{number}", "porting", place, f"{old} -> {new}", {key: text}, driver, False, FRAMES)
+            raise UserError(
+                f"mutants: {old!r} is not in {function_name} of {key}. Bring mutants/by_hand.py up to date."
+            )
+        yield Mutant(
+            f"porting-{number}", "porting", function_name, f"{old} -> {new}", {key: text}, driver, False, FRAMES
+        )

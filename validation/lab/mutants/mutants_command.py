@@ -22,14 +22,14 @@ def mutants(
     json_file: terminal.JsonFile = None,
 ) -> None:
     """Break the shaders, one mistake at a time: each must show."""
-    some = chosen(all_mutants(), only, sample)
+    selected = chosen(all_mutants(), only, sample)
     terminal.check_writable(json_file)
     started = time.monotonic()
-    with terminal.progress("mutants", len(some)) as step:
-        results = run_mutants.run(some, step)
-    found = as_json(some, results, time.monotonic() - started)
-    terminal.write_json(json_file, found)
-    terminal.tell(*lines(found))
+    with terminal.progress("mutants", len(selected)) as step:
+        results = run_mutants.run(selected, step)
+    run_data = as_json(selected, results, time.monotonic() - started)
+    terminal.write_json(json_file, run_data)
+    terminal.tell(*lines(run_data))
     terminal.end(not any(outcome in BAD for outcome, _ in results))
 
 
@@ -40,32 +40,32 @@ def all_mutants() -> list[Mutant]:
 
 def chosen(everything: Sequence[Mutant], only: Sequence[str] | None, sample: int | None) -> list[Mutant]:
     """Return the mutants with these names, at most `sample` of each kind. Raises UserError for an unknown name."""
-    if unknown := set(only or ()) - {item.name for item in everything}:
+    if unknown := set(only or ()) - {mutant.name for mutant in everything}:
         raise UserError(f"--only {min(unknown)}: no such mutant. Their names are in the file that --json writes.")
     if sample is not None and sample < 1:
         raise UserError(f"--sample {sample}: at least 1.")
-    some = [item for item in everything if not only or item.name in only]
+    selected = [mutant for mutant in everything if not only or mutant.name in only]
     if sample is None:
-        return some
-    seeded, kinds = random.Random(0), dict.fromkeys(item.kind for item in some)
-    by_kind = [[item for item in some if item.kind == kind] for kind in kinds]
-    return [item for group in by_kind for item in seeded.sample(group, min(sample, len(group)))]
+        return selected
+    seeded, kinds = random.Random(0), dict.fromkeys(mutant.kind for mutant in selected)
+    by_kind = [[mutant for mutant in selected if mutant.kind == kind] for kind in kinds]
+    return [mutant for group in by_kind for mutant in seeded.sample(group, min(sample, len(group)))]
 
 
-def as_json(some: Sequence[Mutant], results: Sequence[tuple[str, str]], seconds: float) -> dict:
+def as_json(selected: Sequence[Mutant], results: Sequence[tuple[str, str]], seconds: float) -> dict:
     """Return the data of a run for JSON."""
     rows = [
         {"name": mutant.name, "change": mutant.change, "outcome": outcome, "detail": detail}
-        for mutant, (outcome, detail) in zip(some, results, strict=True)
+        for mutant, (outcome, detail) in zip(selected, results, strict=True)
     ]
     return {"seconds": round(seconds, 1), "mutants": rows}
 
 
-def lines(found: dict) -> Iterator[str]:
+def lines(run_data: dict) -> Iterator[str]:
     """Yield a line for every mutant that is alive or broken, and one with the totals."""
-    for row in found["mutants"]:
+    for row in run_data["mutants"]:
         if row["outcome"] in BAD:
             yield f"{row['name']} ({row['change']}): {row['outcome']}: {row['detail']}"
-    count = Counter(row["outcome"] for row in found["mutants"])
+    count = Counter(row["outcome"] for row in run_data["mutants"])
     sums = ", ".join(f"{count[outcome]} {outcome}" for outcome in OUTCOMES)
-    yield f"{len(found['mutants'])} mutants: {sums} ({found['seconds']:.0f} s)"
+    yield f"{len(run_data['mutants'])} mutants: {sums} ({run_data['seconds']:.0f} s)"
