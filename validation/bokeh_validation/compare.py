@@ -81,7 +81,7 @@ class Mistake:
 
 
 def to_srgb(linear: np.ndarray) -> np.ndarray:
-    """Encode linear light as sRGB; the curve is continued above 1."""
+    """Encode linear light, an array of any shape, as sRGB; the curve is continued above 1."""
     return np.where(linear <= 0.0031308, 12.92 * linear, 1.055 * np.maximum(linear, 0.0) ** (1 / 2.4) - 0.055)
 
 

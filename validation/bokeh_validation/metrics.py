@@ -97,13 +97,13 @@ def tone_mapped(color: np.ndarray) -> np.ndarray:
 
 
 def psnr(result: np.ndarray, truth: np.ndarray) -> float:
-    """Return the peak signal-to-noise ratio of the tone-mapped rgb, dB."""
+    """Return the peak signal-to-noise ratio of two linear images (H, W, >= 3) after tone mapping, dB."""
     error = np.mean((tone_mapped(result[..., :3]) - tone_mapped(truth[..., :3])) ** 2)
     return float("inf") if error == 0 else float(-10 * np.log10(error))
 
 
 def flip(result: np.ndarray, truth: np.ndarray) -> float:
-    """Return the mean HDR-FLIP of the rgb of two images, from 0 (identical) to 1."""
+    """Return the mean HDR-FLIP of two linear images (H, W, >= 3), from 0 (identical) to 1."""
     import flip_evaluator
 
     images = [np.ascontiguousarray(image[..., :3], np.float32) for image in (truth, result)]

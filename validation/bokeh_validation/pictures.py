@@ -55,12 +55,12 @@ def heat(distance: np.ndarray, full: float) -> np.ndarray:
 
 
 def enlarged(pixels: np.ndarray, factor: int) -> np.ndarray:
-    """Enlarge each pixel to a block, so that single pixels can be seen."""
+    """Enlarge each pixel of an image (H, W, ...) to a block, so that single pixels can be seen."""
     return np.repeat(np.repeat(pixels, factor, axis=0), factor, axis=1)
 
 
 def halved(pixels: np.ndarray) -> np.ndarray:
-    """Return an 8-bit rgb image at half its size."""
+    """Return an 8-bit rgb image (H, W, 3) at half its size."""
     return np.asarray(Image.fromarray(pixels).reduce(2))
 
 
@@ -116,12 +116,12 @@ def _encoded(pixels: np.ndarray, kind: str, **options: object) -> bytes:
 
 
 def png_uri(pixels: np.ndarray) -> str:
-    """Return 8-bit rgb as a PNG data: URI, for a page without other files."""
+    """Return 8-bit rgb (H, W, 3) as a PNG data: URI, for a page without other files."""
     return f"data:image/png;base64,{base64.b64encode(_encoded(pixels, 'PNG', optimize=True)).decode('ascii')}"
 
 
 def jpeg_uri(pixels: np.ndarray, width: int | None = None) -> str:
-    """Return 8-bit rgb as a JPEG data: URI, which is lossy, scaled down to at most `width` pixels."""
+    """Return 8-bit rgb (H, W, 3) as a JPEG data: URI, which is lossy, scaled down to at most `width` pixels."""
     if width and pixels.shape[1] > width:
         height = round(pixels.shape[0] * width / pixels.shape[1])
         pixels = np.asarray(Image.fromarray(pixels).resize((width, height), Image.Resampling.BOX))
@@ -129,13 +129,13 @@ def jpeg_uri(pixels: np.ndarray, width: int | None = None) -> str:
 
 
 def write_png(path: Path, pixels: np.ndarray) -> None:
-    """Write 8-bit rgb as a PNG; the file appears complete or not at all."""
+    """Write 8-bit rgb (H, W, 3) as a PNG; the file appears complete or not at all."""
     data = _encoded(pixels, "PNG", optimize=True)
     files.whole(path, lambda partial: partial.write_bytes(data))
 
 
 def write_document(folder: Path, name: str, pixels: np.ndarray) -> Path:
-    """Write an 8-bit rgb image of the documents and return its path: NAME.png, or NAME.webp if that is too large.
+    """Write an 8-bit rgb image (H, W, 3) of the documents as NAME.png, or NAME.webp if too large; returns the path.
 
     Both are lossless, because lossy compression would add banding to a comparison of blur.
     """
@@ -147,7 +147,7 @@ def write_document(folder: Path, name: str, pixels: np.ndarray) -> Path:
 
 
 def write_animation(folder: Path, name: str, frames: Sequence[np.ndarray], milliseconds: int, quality: int) -> Path:
-    """Write 8-bit rgb frames as NAME.webp, a lossy animation that loops forever, and return its path."""
+    """Write 8-bit rgb frames (H, W, 3) as NAME.webp, a lossy animation that loops forever, and return its path."""
     first, *further = map(Image.fromarray, frames)
     buffer, path = io.BytesIO(), folder / f"{name}.webp"
     options = {"save_all": True, "append_images": further, "duration": milliseconds, "loop": 0, "method": 6}

@@ -59,7 +59,7 @@ def stored(image: Image, dtype: type, rounding: str = "nearest") -> Image:
 
 
 def rounded(value: np.ndarray, dtype: type, rounding: str) -> np.ndarray:
-    """Convert to `dtype`, rounding to nearest or towards zero."""
+    """Convert an array of any shape to `dtype`, rounding to nearest or towards zero."""
     result = value.astype(dtype)
     if rounding == "zero":
         too_far = np.abs(result.astype(np.float64)) > np.abs(value)

@@ -40,7 +40,7 @@ def scene() -> tuple[np.ndarray, np.ndarray, np.ndarray]:
 
 
 def leaked(red: np.ndarray, covered: np.ndarray) -> float:
-    """Return the red on the background as a fraction of the object's; the pixels next to the object are left out."""
+    """Return the red (H, W) on the background as a fraction of the object's; pixels next to the object are left out."""
     return float(red[~two_points.grown(covered)].sum() / covered.sum())
 
 

@@ -24,12 +24,12 @@ FIGURES = {"square": "5", "diamond": "6", "hexagon": "9a", "octagon": "9b", "sta
 
 
 def parallelograms(aperture: str, rotation: float) -> list[np.ndarray]:
-    """Return the corners in pixels of each parallelogram as sampled. `rotation` is in degrees."""
+    """Return the corners of each parallelogram as sampled, (4, 2) in pixels. `rotation` is in degrees."""
     return [LINE_LENGTH * shape.corners(rotation) for shape in aperture_shapes.PARALLELOGRAMS[aperture]]
 
 
 def outlines(aperture: str, rotation: float) -> list[np.ndarray]:
-    """Return convex polygons whose union is the aperture: two squares for the star, otherwise one."""
+    """Return convex polygons (N, 2), in pixels, whose union is the aperture: two squares for the star, else one."""
     shapes = parallelograms(aperture, rotation)
     return shapes if aperture in aperture_shapes.USES_MAX or len(shapes) == 1 else [geometry.clip_convex(*shapes)]
 

@@ -51,7 +51,7 @@ class Case:
         return hash(self._key)
 
     def textures(self) -> dict[str, np.ndarray]:
-        """Return everything that the passes read."""
+        """Return name -> texture, (H, W, C) or (H, W), for everything that the passes read."""
         return {"color": self.color, "depth": self.depth, **self.plan.tables}
 
 

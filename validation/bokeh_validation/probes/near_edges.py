@@ -41,7 +41,7 @@ def checker(size: tuple[int, int]) -> np.ndarray:
 
 
 def edge_spread(polygon: np.ndarray, distances: np.ndarray) -> np.ndarray:
-    """Return the fraction of a polygon to the left of a vertical line at each distance from its middle, pixels."""
+    """Return the fraction of a polygon (N, 2) left of a vertical line at each distance (M,) from its middle, pixels."""
     far = 2.0 * np.abs(polygon).max() + np.abs(distances).max()
     halves = (np.array([[-far, -far], [distance, -far], [distance, far], [-far, far]]) for distance in distances)
     areas = [geometry.signed_area(geometry.clip_convex(polygon, half)) for half in halves]

@@ -23,7 +23,7 @@ def thin_lens(depth):
 
 
 def square_scene(inside: tuple[float, float], outside: tuple[float, float]) -> tuple[np.ndarray, np.ndarray]:
-    """Return colour and depth of a square in front of a background, each given as (value, depth in metres)."""
+    """Return colour (H, W, 4) and depth (H, W) of a square in front of a background, each given as (value, metres)."""
     color, depth = flat(SIZE, outside[0]), depth_of(SIZE, outside[1])
     color[SQUARE][..., :3] = inside[0]
     depth[SQUARE] = inside[1]

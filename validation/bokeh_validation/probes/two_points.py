@@ -88,12 +88,12 @@ def _judge_max(aperture: str, outputs: dict[str, Outputs]) -> list[Check]:
 
 
 def grown(mask: np.ndarray) -> np.ndarray:
-    """Return a mask grown by one pixel."""
+    """Return a mask (H, W) grown by one pixel."""
     return np.lib.stride_tricks.sliding_window_view(np.pad(mask, 1), (3, 3)).any(axis=(2, 3))
 
 
 def _boundary_pixels(image: np.ndarray) -> float:
-    """Return the length of the boundaries in an image of plateaus, as the number of pixels where it changes."""
+    """Return the length of the boundaries in an image (H, W) of plateaus, as the number of pixels where it changes."""
     across, down = (np.abs(np.diff(image, axis=axis)) > 0.01 for axis in (1, 0))
     return float((across[:-1] | down[:, :-1]).sum())
 

@@ -22,12 +22,12 @@ def circle_of_confusion(depth, aperture_diameter, focal_length, focus_distance, 
 
 
 def safe_color(color: np.ndarray) -> np.ndarray:
-    """Replace NaN and negative colour by 0, and infinite colour by the largest half float."""
+    """Replace NaN and negative colour by 0, and infinite colour by the largest half float; any shape."""
     return np.where(color > 0.0, np.minimum(color, MAX_COLOR), 0.0)
 
 
 def safe_depth(depth: np.ndarray) -> np.ndarray:
-    """Replace NaN, zero and negative depth by the smallest depth, and infinite depth by the largest."""
+    """Replace NaN, zero and negative depth by the smallest depth, and infinite depth by the largest; any shape."""
     return np.where(depth > MIN_DEPTH, np.minimum(depth, MAX_DEPTH), MIN_DEPTH)
 
 

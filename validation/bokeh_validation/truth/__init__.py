@@ -31,8 +31,8 @@ def picture(driver: Driver, scene: SceneFile, label: str, aperture: str = "hexag
 
 
 def measured(image: np.ndarray, lens: np.ndarray) -> dict[str, float]:
-    """Compare an image with the truth: mean FLIP, PSNR of tone-mapped colour in dB, and linear light
-    over the truth's.
+    """Compare an image with the truth `lens`, both linear (H, W, >= 3): mean FLIP, PSNR of tone-mapped colour in dB,
+    and light divided by the truth's.
     """
     light = image[..., :3].astype(np.float64).sum() / lens[..., :3].astype(np.float64).sum()
     return {"flip": metrics.flip(image, lens), "psnr": metrics.psnr(image, lens), "light": float(light)}

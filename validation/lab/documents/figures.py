@@ -54,7 +54,7 @@ PLATEAU = 0.4
 
 
 def tone_mapped(image: np.ndarray, exposure: float = 1.0, zoom: int = 1) -> np.ndarray:
-    """Tone-map linear rgb by x / (1 + x) to 8 bits, with each pixel as a block of `zoom` x `zoom`."""
+    """Tone-map linear rgb (H, W, >= 3) by x / (1 + x) to 8 bits, with each pixel as a block of `zoom` x `zoom`."""
     return pictures.enlarged(pictures.display(image, exposure, tone_map=True), zoom)
 
 

@@ -102,7 +102,7 @@ def drawn(
     metres: float | None = None, cut: tuple[int, int, int, int] | None = None, axial: tuple[float, float] = (0.0, 0.0),
     target: str = "result", width: int = 480, scale: float = 0.0, **changes,
 ) -> np.ndarray:  # fmt: skip
-    """Draw market_7 as 8-bit rgb, cropped or scaled.
+    """Draw market_7 as 8-bit rgb (H, W, 3), cropped or scaled.
 
     metres   a constant depth instead of the scene's
     cut      left, top, width, height of a crop, pixels; None: the whole image, scaled to about `width` pixels

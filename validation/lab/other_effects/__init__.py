@@ -43,7 +43,7 @@ def search(page: Page, effect: str, start: Parameters, lens: np.ndarray) -> Para
 
     page    an open page with the scene
     start   initial parameters, from the documentation
-    lens    the truth, reduced()
+    lens    the truth, (H, W, 3), reduced()
     """
     options = [{name: value} for name in start if name in OPTIONS for value in OPTIONS[name]]
     best, lowest_flip = start, np.inf
@@ -59,7 +59,7 @@ def search(page: Page, effect: str, start: Parameters, lens: np.ndarray) -> Para
 
 
 def reduced(image: np.ndarray) -> np.ndarray:
-    """Scale an image down for search(), because FLIP takes longer than an effect."""
+    """Scale an image (H, W, >= 3) down for search(), because FLIP takes longer than an effect."""
     return np.dstack([Image.fromarray(image[..., at].astype(np.float32)).reduce(SMALLER) for at in range(3)])
 
 

@@ -48,7 +48,7 @@ def maps(image: np.ndarray, pinhole: Pinhole, lens: Lens, coc: np.ndarray | None
 
 
 def display(color: np.ndarray) -> np.ndarray:
-    """Return the display values of linear rgb, 0 to 1, float32."""
+    """Return the display values of linear rgb (H, W, >= 3), 0 to 1, float32."""
     return pictures.filmic_curve(color, RANDOM_EXPOSURE).astype(np.float32)
 
 

@@ -130,8 +130,8 @@ def _steady(driver: Driver, name: str, label: str, recording: Recording) -> Iter
 def flicker(frames: Sequence[np.ndarray], truth: Sequence[np.ndarray]) -> dict[str, tuple[float, float]]:
     """Return mean and 99th percentile over the pixels of the error's variation, in 1/255 of display values.
 
-    frames     linear
-    truth      display values
+    frames     linear, (H, W, 3) each
+    truth      display values, (H, W, 3) each
     deviation  standard deviation over the frames, of a pixel's worst channel
     change     largest change from one frame to the next
     """
