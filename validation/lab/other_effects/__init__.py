@@ -19,6 +19,7 @@ from bokeh_validation.probes.model import Case, depth_of, overlap, pixel_center
 from bokeh_validation.probes.shapes import outline
 from bokeh_validation.truth import ray_traced
 from lab import jobs
+from lab.other_effects import timing
 from lab.other_effects.effects import EFFECTS, FOUND, ONE_LIGHT, OPTIONS, Page, Parameters, documented, title
 from lab.rasterised import faults, motion
 from lab.rasterised.rasteriser import Rasteriser
@@ -138,6 +139,17 @@ def in_motion(effects: list[str], name: str) -> list[dict]:
     return rows
 
 
+def in_time(effect: list[str] | None, scene: list[str] | None, json_file: Path | None) -> None:
+    """Time effects and this package's methods, print a table, and write it as JSON; arguments as for peers()."""
+    names = timing.chosen(terminal.chosen("--effect", effect, EFFECTS, timing.OTHERS))
+    (of,) = ray_traced.chosen(scene or [ray_traced.MARKET.name])
+    terminal.check_writable(json_file)
+    with terminal.progress("peers", 1 + timing.ROUNDS) as step:
+        found = timing.measured(of, names, step)
+    terminal.write_json(json_file, found)
+    terminal.tell(*timing.table(found))
+
+
 def peers(
     effect: Annotated[list[str] | None, typer.Option(help="May be given again. Default: all.")] = None,
     scene: Annotated[
@@ -149,8 +161,18 @@ def peers(
     sequence: Annotated[
         str | None, typer.Option("--motion", metavar="NAME", help=f"Flicker alone, as truth's: {', '.join(MOTIONS)}.")
     ] = None,
+    time: Annotated[
+        bool, typer.Option("--time", help="Times alone, with ours, on WebGL 2. Default scene: market_7.")
+    ] = False,
+    json_file: terminal.JsonFile = None,
 ) -> None:
     """Compare other depth-of-field effects with the truth (docs/results.md): FLIP, PSNR, light; one light."""
+    if time:
+        if found or sequence or len(scene or ()) > 1:
+            raise UserError("--time: times one scene. Leave out --search, --motion and all other scenes.")
+        return in_time(effect, scene, json_file)
+    if json_file:
+        raise UserError("--json: no effect without --time. Give both.")
     effects = terminal.chosen("--effect", effect, EFFECTS)
     scenes = [file.name for file in ray_traced.chosen(scene)]
     terminal.check_writable(found)

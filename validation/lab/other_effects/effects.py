@@ -20,6 +20,7 @@ Parameters = dict[str, float | bool]
 PAGE = Path(__file__).parent / "page"
 # Folders that pin the packages: three.js and postprocessing, then the others
 FOLDERS = (Path(__file__).parent, *(paths.ROOT / "integration" / engine for engine in ("babylonjs", "playcanvas")))
+WEB = paths.ROOT / "integration" / "web"  # this package's passes, as npm installs them
 LIMIT = 240.0
 
 # Bevy's crate, for its WGSL: downloaded by cargo, never compiled
@@ -111,7 +112,8 @@ class Page(browser.Session):
 
     def __init__(self, effects: list[str]):
         """Open the page with these effects. Raises Unavailable."""
-        places = [("browser/", browser.PAGE), ("", PAGE), *(("", pages.installed(folder)) for folder in FOLDERS)]
+        own = [("browser/", browser.PAGE), ("polygonal-bokeh/", WEB), ("", PAGE)]
+        places = [*own, *(("", pages.installed(folder)) for folder in FOLDERS)]
         if any(EFFECTS[name][1] == CRATE for name in effects):
             places.insert(0, (f"{CRATE}/", crate()))
         super().__init__(places=places, limit=LIMIT)
@@ -127,3 +129,12 @@ class Page(browser.Session):
     def draw(self, effect: str, parameters: Parameters) -> np.ndarray:
         """Draw the scene with an effect, (H, W, 4) float32."""
         return unpacked(self.call("draw", {"name": effect, "parameters": parameters}), "float")
+
+    def time(self, effect: str, parameters: Parameters) -> tuple[float, float]:
+        """Return the milliseconds of a frame without the effect, and of one with it; WebGL 2 only."""
+        without, drawn = self.call("time", {"name": effect, "parameters": parameters})
+        return without, drawn
+
+    def device(self, effect: str) -> str:
+        """Return the name of the device that draws an effect; WebGL 2 only."""
+        return self.call("device", effect)

@@ -1,12 +1,14 @@
-"""Test validation/run peers: each effect on a small image, and the search for parameters."""
+"""Test validation/run peers: each effect on a small image, the search for parameters, and times."""
+
+import json
 
 import numpy as np
 import pytest
-from support import needed
+from support import called, needed, refused
 
 from bokeh_validation.truth import ray_traced
 from lab import other_effects
-from lab.other_effects import effects
+from lab.other_effects import effects, timing
 from lab.other_effects.effects import EFFECTS, FOUND, ONE_LIGHT, Page
 from lab.rasterised import motion
 
@@ -83,3 +85,49 @@ def test_search():
         assert {name: set(of_effect) for name, of_effect in documented.items()} == {
             name: set(of_effect) for name, of_effect in FOUND[scene.name].items()
         }
+
+
+def test_times(monkeypatch, tmp_path):
+    """Time every effect and method once on a small image, and check the table and the JSON.
+
+    No ratio of times is judged: on so small an image, other work on the machine decides it.
+    """
+    monkeypatch.setattr(timing, "SIZE", (64, 36))
+    monkeypatch.setattr(timing, "ROUNDS", 1)
+    with needed("Chromium and npm"):
+        Page([]).close()
+    done = called("peers", "--time", "--json", tmp_path / "times.json")
+    assert done.returncode == 0, done.stderr
+    found = json.loads((tmp_path / "times.json").read_text(encoding="utf-8"))
+    assert (found["scene"], found["size"], found["rounds"]) == ("market_7", [64, 36], 1)
+    assert found["device"] in done.stdout and "market_7 at 64 x 36" in done.stdout
+    others = [effects.title(name) for name in EFFECTS if not name.startswith("Bevy")]
+    assert [row["label"] for row in found["rows"]] == [*others, *timing.OURS]
+    for row in found["rows"]:
+        low, high = row["quartiles"]
+        assert min(row["ms"], row["without"]) > 0.0 and low <= row["ratio"] <= high
+        assert f"| {row['label']} |" in done.stdout
+
+
+def test_summary_of_times():
+    """Check that the frame without the effect is taken off, that each round has its own ratio, and the least time."""
+    times = np.array([[[1, 11], [2, 7]], [[1, 21], [2, 42]], [[1, 11], [2, 1]]], float)
+    base, other = timing.summary([timing.BASE, "layered low"], times)
+    assert (base["ms"], base["without"], base["ratio"], base["quartiles"]) == (10.0, 1.0, 1.0, [1.0, 1.0])
+    assert (other["label"], other["ms"], other["without"]) == ("layered low", 5.0, 2.0)
+    # 5 / 10, 40 / 20, and what the clock can tell over 10
+    assert other["ratio"] == 0.5 and other["quartiles"] == [0.255, 1.25]
+
+
+@pytest.mark.parametrize(
+    ("options", "words"),
+    [
+        ("--time --effect BevyBokeh", ["--effect BevyBokeh", "BokehPass"]),
+        ("--time --motion pan", ["--time", "--motion"]),
+        ("--time --scene market_7 --scene street_11", ["--time", "one scene"]),
+        ("--json times.json", ["--json", "--time"]),
+    ],
+)
+def test_refused(options, words):
+    """Check that --time refuses what it cannot time, and that --json needs it."""
+    refused(called("peers", *options.split()), words)

@@ -62,6 +62,8 @@ export function Babylon(handed) {
     last = new PassPostProcess("last", 1, camera, NEAREST, engine, false, HALF);
   };
   return {
+    gl: engine._gl,
+    enable: (on) => manager[`${on ? "enable" : "disable"}EffectInPipeline`]("peer", effect._name, camera),
     async set({ blurLevel, ...lens }) {
       if (blurLevel !== level) build(blurLevel);
       Object.assign(effect, lens);

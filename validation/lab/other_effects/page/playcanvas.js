@@ -53,6 +53,8 @@ export async function CameraFrame(handed) {
   frame.rendering.toneMapping = pc.TONEMAP_NONE;
   frame.dof.enabled = true;
   return {
+    gl: device.gl,
+    enable: (on) => (frame.dof.enabled = on), // set() rebuilds the passes
     set: (parameters) => {
       Object.assign(frame.dof, parameters);
       frame.update();
@@ -60,7 +62,7 @@ export async function CameraFrame(handed) {
     },
     draw: () => {
       app.renderNextFrame = true;
-      return new Promise((done) => app.once("frameend", done));
+      app.tick(); // now, instead of in the browser's next frame
     },
     // it writes for a display: the power is undone
     read: async () => (await colorBuffer.read(0, 0, width, height, { renderTarget, immediate: true })).map((x) => x ** 2.2),

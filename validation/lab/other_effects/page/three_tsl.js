@@ -27,14 +27,17 @@ export async function DepthOfFieldNode(handed) {
   const drawn = pass(new THREE.Scene().add(quad), camera);
   const set = { focusDistance: uniform(1), focalLength: uniform(1), bokehScale: uniform(1) };
   const node = dof(drawn.getTextureNode(), drawn.getViewZNode(), set.focusDistance, set.focalLength, set.bokehScale);
-  const pipeline = new THREE.RenderPipeline(renderer, node);
+  const pipelines = [drawn.getTextureNode(), node].map((output) => new THREE.RenderPipeline(renderer, output));
+  let enabled = true;
   return {
+    gl: renderer.backend.gl,
+    enable: (on) => (enabled = on),
     set: async (parameters) => {
       for (const [name, value] of Object.entries(parameters)) set[name].value = value;
       // it draws its passes once for each of the browser's frames
       for (let i = 0; i < 2; i++) await new Promise(requestAnimationFrame);
     },
-    draw: () => pipeline.render(),
+    draw: () => pipelines[Number(enabled)].render(),
     read: () => renderer.readRenderTargetPixelsAsync(node._compositeRT, 0, 0, width, height),
   };
 }

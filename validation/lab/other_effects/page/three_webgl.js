@@ -49,16 +49,19 @@ function ended(renderer) {
   gl.getExtension("WEBGL_lose_context").loseContext();
 }
 
-export function BokehPass(handed) {
-  const { renderer, scene, camera, depth } = setUp(handed);
-  const target = new THREE.WebGLRenderTarget(handed.width, handed.height, { type: HALF });
+// three.js's own composer: the scene, then the pass that passOf makes from the result of setUp()
+export function composed(handed, passOf, depthTexture = null) {
+  const fed = setUp(handed);
+  const { renderer, scene, camera } = fed;
+  const target = new THREE.WebGLRenderTarget(handed.width, handed.height, { type: HALF, depthTexture });
   const composer = new EffectComposer(renderer, target);
   composer.renderToScreen = false;
   composer.addPass(new RenderPass(scene, camera));
-  const pass = new ThreeBokehPass(scene, camera, {});
-  pass._materialDepth = depth; // that of the quad itself would be flat
+  const pass = passOf(fed);
   composer.addPass(pass);
   return {
+    gl: renderer.getContext(),
+    enable: (on) => (pass.enabled = on),
     set: (parameters) => {
       for (const [name, value] of Object.entries(parameters)) pass.uniforms[name].value = value;
     },
@@ -68,15 +71,22 @@ export function BokehPass(handed) {
   };
 }
 
+// Its own material for depth would draw that of the quad, which is flat
+export const BokehPass = (handed) =>
+  composed(handed, ({ scene, camera, depth }) => Object.assign(new ThreeBokehPass(scene, camera, {}), { _materialDepth: depth }));
+
 export function DepthOfFieldEffect(handed) {
   const { renderer, scene, camera } = setUp(handed);
   const composer = new pmndrs.EffectComposer(renderer, { frameBufferType: HALF });
   composer.autoRenderToScreen = false;
   composer.addPass(new pmndrs.RenderPass(scene, camera));
   const effect = new pmndrs.DepthOfFieldEffect(camera, {});
-  composer.addPass(new pmndrs.EffectPass(camera, effect));
+  const pass = new pmndrs.EffectPass(camera, effect);
+  composer.addPass(pass);
   composer.setSize(handed.width, handed.height, false);
   return {
+    gl: renderer.getContext(),
+    enable: (on) => (pass.enabled = on),
     set: ({ focusDistance, focusRange, bokehScale, resolutionScale }) => {
       Object.assign(effect.cocMaterial, { focusDistance, focusRange });
       Object.assign(effect, { bokehScale });
