@@ -42,6 +42,16 @@ def flip_means() -> dict[str, float]:
     return {label: mean(rows[scene]["flip"] for scene in SCENES) for label, rows in ray_traced().items()}
 
 
+def peer_times() -> Table:
+    """Return the times of other effects and of this package's methods in ascending order."""
+    header = ["method", "ms", "ratio to BokehPass", "lower quartile", "upper quartile"]
+    rows = sorted(data("peer_times")["rows"], key=lambda row: row["ratio"])
+    return [header] + [
+        [row["label"], f"{row['ms']:.0f}", *(f"{value:.2f}" for value in (row["ratio"], *row["quartiles"]))]
+        for row in rows
+    ]
+
+
 def tables() -> dict[str, dict[str, Table]]:
     """Return page -> name of a table -> its rows with the header first, for all tables of measured numbers."""
     measured = {}
@@ -59,7 +69,10 @@ def tables() -> dict[str, dict[str, Table]]:
     pages["results-data.md"] = measured | pages["results-data.md"]
     flips = [[*row, f"{flip_means()[row[0]]:.4f}"] for row in measured["ray-traced scenes, FLIP"][1:]]
     flips.sort(key=lambda row: float(row[-1]))
-    return {"results.md": {"comparison": [["method", *SCENES, "mean"], *flips]}, **pages}
+    pages["cost.md"]["times of other effects"] = peer_times()
+    comparison = [["method", *SCENES, "mean"], *flips]
+    ratios = [[label, ratio] for label, _, ratio, *_ in peer_times()]
+    return {"results.md": {"comparison": comparison, "times of other effects": ratios}, **pages}
 
 
 def markdown(rows: Table) -> Iterator[str]:
@@ -79,7 +92,7 @@ def as_csv() -> str:
     writer = csv.writer(target, lineterminator="\n")
     writer.writerow(("page", "table", "row", "column", "value"))
     pages = tables()
-    # results.md repeats results-data.md
+    # results.md repeats results-data.md and cost.md
     del pages["results.md"]
     for page, page_tables in pages.items():
         for table, (header, *rows) in page_tables.items():

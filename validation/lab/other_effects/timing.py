@@ -5,6 +5,7 @@ that of the same frame without it. This package's pass is the one that npm insta
 """
 
 import os
+import time
 from collections.abc import Callable, Iterator, Sequence
 from datetime import UTC, datetime
 
@@ -15,14 +16,14 @@ from bokeh_validation.frame.methods import Camera
 from bokeh_validation.truth import ray_traced
 from lab.other_effects.effects import CRATE, EFFECTS, FOUND, Page, Parameters, title
 
-SIZE, ROUNDS = (960, 540), 9  # (width, height); number of measured rounds
+ROUNDS = 9  # maximum number of measured rounds
+# Seconds after which no round begins, so that a busy machine takes at most four minutes
+LONGEST = 190.0
 # The ratios are to the time of this effect
 BASE = "BokehPass"
 # Names in page/peers.js. Bevy's effects run on WebGPU only.
 OTHERS = tuple(name for name, (_, package, _) in EFFECTS.items() if package != CRATE)
 OURS = ("exact low", "exact medium", "layered low", "layered medium", "layered high")
-# Parameters in pixels, which are scaled with the image
-PIXELS = ("bokehScale",)
 # Step of the browser's clock, milliseconds; the least time of an effect
 RESOLUTION = 0.1
 
@@ -42,29 +43,25 @@ def lens(camera: Camera) -> Parameters:
 
 
 def measured(scene: ray_traced.SceneFile, names: Sequence[str], step: Callable[[str], None]) -> dict:
-    """Time effects on a scene that is scaled to SIZE by nearest texel. Raises Unavailable.
+    """Time effects on a scene, with the parameters of found.json. Raises Unavailable.
 
     names  from chosen()
     step   called with the name of each finished round; a round that is not measured comes first
     Returns what --json writes.
     """
-    image = ray_traced.picture(scene)
-    columns, rows = (np.arange(side) * whole // side for side, whole in zip(SIZE, image.size, strict=True))
-    given = {
-        name: {key: value * (SIZE[1] / image.size[1] if key in PIXELS else 1) for key, value in found.items()}
-        for name, found in FOUND[scene.name].items()
-    }
-    given |= dict.fromkeys(OURS, lens(scene.camera))
+    image, given = ray_traced.picture(scene), FOUND[scene.name] | dict.fromkeys(OURS, lens(scene.camera))
     with Page([]) as page:
-        page.load(image.color[rows][:, columns], image.depth[rows][:, columns], scene.camera)
-        rounds = []
+        page.load(image.color, image.depth, scene.camera)
+        rounds, start = [], time.monotonic()
         for turn in range(1 + ROUNDS):
             first = turn % len(names)
             rounds.append({name: page.time(name, given[name]) for name in (*names[first:], *names[:first])})
             step(f"round {turn}" if turn else "warm-up")
+            if turn and time.monotonic() - start > LONGEST:
+                break
         device, version = page.device(BASE), page.version
-    about = {"date": datetime.now(UTC).date().isoformat(), "scene": scene.name, "size": SIZE, "rounds": ROUNDS}
-    about |= {"device": device, "chromium": version, "cores": os.cpu_count()}
+    about = {"date": datetime.now(UTC).date().isoformat(), "scene": scene.name, "size": image.size}
+    about |= {"rounds": len(rounds) - 1, "device": device, "chromium": version, "cores": os.cpu_count()}
     return about | {"rows": summary(names, np.array([list(map(one.get, names)) for one in rounds[1:]]))}
 
 

@@ -1,6 +1,7 @@
 """Test validation/run peers: each effect on a small image, the search for parameters, and times."""
 
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -92,7 +93,9 @@ def test_times(monkeypatch, tmp_path):
 
     No ratio of times is judged: on so small an image, other work on the machine decides it.
     """
-    monkeypatch.setattr(timing, "SIZE", (64, 36))
+    scene = ray_traced.picture(ray_traced.MARKET)
+    small = replace(scene, color=scene.color[::15, ::15], depth=scene.depth[::15, ::15])
+    monkeypatch.setattr(ray_traced, "picture", lambda _: small)
     monkeypatch.setattr(timing, "ROUNDS", 1)
     with needed("Chromium and npm"):
         Page([]).close()
