@@ -118,6 +118,15 @@ CASES = (
     _named("layered hexagon, narrow", [COVERAGE], LAYERED),
     _named("layered octagon, narrow", [COVERAGE], LAYERED, aperture="octagon"),
     _named("layered decagon, narrow", [COVERAGE], LAYERED, aperture="decagon"),
+    # far CoC of at most 9.5 pixels in 50 rows: no layer, and one more ring than the preset has
+    _named(
+        "layered, moderate",
+        [COVERAGE],
+        LAYERED,
+        preset="high",
+        camera=replace(WIDE["camera"], max_coc=0.19),
+        focus=methods.Focus(scale=(0.0, 1.0)),
+    ),
     _named("layered, wide", [COVERAGE], LAYERED, jitter=1.0, **WIDE),
     _named("layered, far", [COVERAGE], LAYERED, focus=methods.Focus(scale=(0.0, 1.0)), **WIDE),
     _named("layered, low", [COVERAGE, BAD_INPUT], LAYERED, aperture="decagon", preset="low", **WIDE),
