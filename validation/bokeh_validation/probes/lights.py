@@ -96,7 +96,9 @@ def light_probe(pixels: int) -> Probe:
     """Return the probe of lights of one size at every CoC, and at 80 pixels with more samples too."""
     cases = tuple(light_case(coc, pixels, preset) for coc, preset in LIGHTS)
     title = f"An isolated light of {pixels} pixels becomes a hexagon of the same light, near and far"
-    shows = "A hexagon over what is there, no brighter and no darker than the light; small ones at 80 pixels show dots."
+    shows = (
+        "A hexagon over the background, no brighter and no darker than the light; small ones at 80 pixels show dots."
+    )
     return Probe(f"layered-light-{pixels}", title, shows, cases, partial(_judge_lights, pixels), pixels not in (3, 9))
 
 
@@ -137,7 +139,7 @@ def _judge_silhouette(outputs: dict[str, Outputs]) -> list[Check]:
     return [
         Check("light on the sharp side", sharp[..., 2].max(), 0.0, 0.0, "nothing behind it can be sampled there"),
         Check("the sharp side, off by", error, 0.0, STEP, "a quotient that is 1 but for rounding, and its store"),
-        Check("darkest behind, in units of what is there", darkest, 1 - 4 * STEP, 1 + 4 * STEP, rim),
+        Check("darkest behind, in units of the background", darkest, 1 - 4 * STEP, 1 + 4 * STEP, rim),
         Check("the silhouette's light behind it", behind[..., 1].max(), 0.0, 0.0, "it does not spread"),
         Check("light behind it, in units of the polygon's part there", light, 0.99, 2.0, why),
     ]
@@ -174,7 +176,7 @@ def _judge_covered(outputs: dict[str, Outputs]) -> list[Check]:
     ratio = NEAR_COC / COC
     visible_light = spread[:, x < (COVER + (EDGE + 0.5) * ratio) / (1 + ratio)].sum()
     light_bound = (spread * (1.0 - alpha) / np.maximum(1.0 - hidden, STEP)).sum() / visible_light
-    covered_name = "light where the near thing covers all, in units of the light's bokeh"
+    covered_name = "light where the near object covers everything, in units of the light's bokeh"
     why = "it fades with the near edge: 1 - alpha of the polygon over the share of the far plane in the picture"
     return [
         Check(covered_name, covered, 0.0, WHOLE + STEP, "near shares from 0.998 count as 1"),
@@ -184,8 +186,8 @@ def _judge_covered(outputs: dict[str, Outputs]) -> list[Check]:
 
 COVERED = Probe(
     "covered-light",
-    "A near thing over a far light lets it through only where the lens sees it",
-    "The hexagon fades under the near edge, and nothing of it is where that covers all.",
+    "A near object over a far light lets it through only where the lens sees it",
+    "The hexagon fades under the near edge, and is invisible where the near object covers it completely.",
     (covered_case(),),
     _judge_covered,
 )

@@ -7,7 +7,7 @@ class Parameter(NamedTuple):
     """Hold a row of the table in docs/reference/parameters.md, which explains the abbreviations.
 
     default  the value unless a pass sets another
-    unit     m, pixels, radians; height: of the image; CoC: its diameter; share: of the depth buffer's size
+    unit     m, pixels, radians; height: of the image; CoC: its diameter; depth: a fraction of the depth buffer's size
     meaning  and range; a letter in parentheses stands for the constant that it requires
     """
 
@@ -59,19 +59,19 @@ BLOCK = {
     "BokehPassIndex": Parameter(0.0, "", "Adaptive: number of the line pass (J)"),
     "BokehAxis": Parameter(0.0, "", "TileDilate: 0 along rows, 1 columns"),
     "BokehLayer": Parameter(0.0, "", "passes of one layer: 0 near, 1 far"),
-    "BokehCatsEye": Parameter(0.0, "", "share cut off in the corners, 0 .. 0.9 (L)"),
+    "BokehCatsEye": Parameter(0.0, "", "fraction cut off in the corners, 0 .. 0.9 (L)"),
     "BokehRoundness": Parameter(1.0, "", "octagon: 0 square, 1 regular (L)"),
     "BokehLateral": Parameter(0.0, "", "LateralColor: how much larger red is, -0.1 .. 0.1"),
-    "BokehFrontRange": Parameter(0.0, "m", "sharp range before the focus (F)"),
-    "BokehBackRange": Parameter(0.0, "m", "behind it (F)"),
-    "BokehNearScale": Parameter(1.0, "", "factor of the CoC before the focus (F)"),
-    "BokehFarScale": Parameter(1.0, "", "behind it (F)"),
-    "BokehNearMaxCoC": Parameter(1.0, "height", "limit of the CoC before the focus (F)"),
-    "BokehFarMaxCoC": Parameter(1.0, "height", "behind it (F)"),
-    "BokehDepthX": Parameter(0.0, "share", "left edge of the image in the depth buffer (F)"),
-    "BokehDepthY": Parameter(0.0, "share", "first row (F)"),
-    "BokehDepthWidth": Parameter(1.0, "share", "(F)"),
-    "BokehDepthHeight": Parameter(1.0, "share", "(F)"),
+    "BokehFrontRange": Parameter(0.0, "m", "sharp range in front of the focus distance (F)"),
+    "BokehBackRange": Parameter(0.0, "m", "sharp range behind the focus distance (F)"),
+    "BokehNearScale": Parameter(1.0, "", "factor of the CoC in front of the focus distance (F)"),
+    "BokehFarScale": Parameter(1.0, "", "factor of the CoC behind the focus distance (F)"),
+    "BokehNearMaxCoC": Parameter(1.0, "height", "limit of the CoC in front of the focus distance (F)"),
+    "BokehFarMaxCoC": Parameter(1.0, "height", "limit of the CoC behind the focus distance (F)"),
+    "BokehDepthX": Parameter(0.0, "depth", "left edge of the image in the depth buffer (F)"),
+    "BokehDepthY": Parameter(0.0, "depth", "first row of the image in the depth buffer (F)"),
+    "BokehDepthWidth": Parameter(1.0, "depth", "width of the image in the depth buffer (F)"),
+    "BokehDepthHeight": Parameter(1.0, "depth", "height of the image in the depth buffer (F)"),
     "BokehStableBlend": Parameter(0.0, "", "StableMap: weight of this frame; 1 starts anew"),
 }
 PARAMETERS = {name: parameter.default for name, parameter in BLOCK.items()}

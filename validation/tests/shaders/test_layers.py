@@ -246,8 +246,8 @@ def test_fetches(preset):
     """Check that a pixel for which every pass does all it can has exactly the planned fetches, and that few are made
     in focus.
 
-    Patches of 2 pixels have the largest CoC near and far, the largest of which the gather gets all, and none, so that
-    layers and gather have most to do everywhere.
+    Patches of 2 pixels have the largest near and far CoC, CoC that are almost completely left to the gather, and none.
+    So layers and gather have most to do everywhere.
     """
     depths = [near_edges.metres(coc, SIZE[1]) for coc in (-COC, -LEFT, 0.0, LEFT, COC)]
     coarse = np.random.default_rng(4).choice(np.float32(depths), (SIZE[1] // 2, SIZE[0] // 2))
