@@ -176,16 +176,16 @@ fn BokehBrightest(color: vec3f) -> f32
 fn BokehLayerSlope(largest: f32, startCoC: f32, fullCoC: f32) -> f32
 {
     let gate: f32 = clamp((largest - startCoC) / (fullCoC - startCoC), 0.001, 1.0);
-    // Over 60 it would leave pixels of more than 36 to the gather, whose few samples show on wide
-    // discs.
-    return 5.0 / clamp(largest / gate, 2.0, 60.0);
+    return 5.0 / max(largest / gate, 2.0);
 }
 
 // Layers: returns the slope of the near layer, which appears from 6 to 12 pixels
 //   Lower or higher, edges of small blurs get worse.
+//   Over 60 pixels the slope stays, so that no pixel of more than 36 is left to the gather, whose
+//   few samples would show.
 fn BokehNearSlope(largest: f32) -> f32
 {
-    return BokehLayerSlope(largest, 6.0, 12.0);
+    return BokehLayerSlope(min(largest, 60.0), 6.0, 12.0);
 }
 
 // Layers: returns the slope of the far layer, which appears from 10 to 16 pixels
@@ -1220,7 +1220,7 @@ fn BokehComposite(MapSamp: texture_2d<f32>, GatherTilesSamp: texture_2d<f32>,
             denseRings += 1.0;
         }
         var rings: f32 = denseRings;
-        if (max(nearWeight, farWeight * f32(BOKEH_LAYER_RINGS - 1)) <= 0.0)
+        if (max(nearWeight, farWeight * tile.r * f32(BOKEH_LAYER_RINGS - 1)) <= 0.0)
         {
             // A gather that reaches far has one more ring, of few samples: with wider gaps between
             // the rings, a thin bright line would show as a row of copies. In a layer the gather
@@ -1303,7 +1303,7 @@ fn BokehComposite(MapSamp: texture_2d<f32>, GatherTilesSamp: texture_2d<f32>,
 
         var nearLayer: vec4f = vec4f(0.0, 0.0, 0.0, 0.0);
         var farLayer: vec4f = vec4f(0.0, 0.0, 0.0, 0.0);
-        if (max(tile.r - 6.0, tile.g - 10.0) > 0.0)
+        if (max(tile.r, tile.g - 4.0) > 6.0)
         {
             let halves: BokehGrid = BokehReducedGrid(layers, 2.0);
             nearLayer = BokehFetchLayer(NearSamp, 0.5 * center, halves, BokehLinearClamp);
@@ -1333,8 +1333,8 @@ fn BokehComposite(MapSamp: texture_2d<f32>, GatherTilesSamp: texture_2d<f32>,
             // the weight of what is in front is its coverage; the rest shows through what is left
             let rest: f32 = plain.a - gather.front.a;
             let open: f32 = clamp(1.0 - gather.front.a, 0.0, 1.0) / max(rest, 0.1);
-            result = (gather.front.rgb + (plain.rgb - gather.front.rgb) * open) / max(gather.front.a
-                + rest * open, 0.001);
+            result = (gather.front.rgb + (plain.rgb - gather.front.rgb) * open) / (gather.front.a +
+                rest * open);
         }
         if (nearWeight > 0.0)
         {

@@ -838,11 +838,11 @@ return max(max(color.r, color.g), color.b);
 fn BokehLayerSlope(largest: f32, startCoC: f32, fullCoC: f32) -> f32
 {
 let gate: f32 = clamp((largest - startCoC) / (fullCoC - startCoC), 0.001, 1.0);
-return 5.0 / clamp(largest / gate, 2.0, 60.0);
+return 5.0 / max(largest / gate, 2.0);
 }
 fn BokehNearSlope(largest: f32) -> f32
 {
-return BokehLayerSlope(largest, 6.0, 12.0);
+return BokehLayerSlope(min(largest, 60.0), 6.0, 12.0);
 }
 fn BokehFarSlope(largest: f32) -> f32
 {
@@ -1614,7 +1614,7 @@ if (max(tile.g, tile.r + 4.0) <= 14.0 - 4.0 * f32(BOKEH_LAYER_CUBIC))
 denseRings += 1.0;
 }
 var rings: f32 = denseRings;
-if (max(nearWeight, farWeight * f32(BOKEH_LAYER_RINGS - 1)) <= 0.0)
+if (max(nearWeight, farWeight * tile.r * f32(BOKEH_LAYER_RINGS - 1)) <= 0.0)
 {
 rings = max(rings, min(radius / 3.0, f32(BOKEH_LAYER_RINGS) + 1.0));
 }
@@ -1683,7 +1683,7 @@ outer, polygon, layers, BokehLinearClamp);
 }
 var nearLayer: vec4f = vec4f(0.0, 0.0, 0.0, 0.0);
 var farLayer: vec4f = vec4f(0.0, 0.0, 0.0, 0.0);
-if (max(tile.r - 6.0, tile.g - 10.0) > 0.0)
+if (max(tile.r, tile.g - 4.0) > 6.0)
 {
 let halves: BokehGrid = BokehReducedGrid(layers, 2.0);
 nearLayer = BokehFetchLayer(NearSamp, 0.5 * center, halves, BokehLinearClamp);
@@ -1708,8 +1708,8 @@ if (plain.a >= 0.001)
 {
 let rest: f32 = plain.a - gather.front.a;
 let open: f32 = clamp(1.0 - gather.front.a, 0.0, 1.0) / max(rest, 0.1);
-result = (gather.front.rgb + (plain.rgb - gather.front.rgb) * open) / max(gather.front.a
-+ rest * open, 0.001);
+result = (gather.front.rgb + (plain.rgb - gather.front.rgb) * open) / (gather.front.a +
+rest * open);
 }
 if (nearWeight > 0.0)
 {

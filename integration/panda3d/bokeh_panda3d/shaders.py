@@ -919,11 +919,11 @@ return max(max(color.r, color.g), color.b);
 float BokehLayerSlope(float largest, float startCoC, float fullCoC)
 {
 float gate = clamp((largest - startCoC) / (fullCoC - startCoC), 0.001, 1.0);
-return 5.0 / clamp(largest / gate, 2.0, 60.0);
+return 5.0 / max(largest / gate, 2.0);
 }
 float BokehNearSlope(float largest)
 {
-return BokehLayerSlope(largest, 6.0, 12.0);
+return BokehLayerSlope(min(largest, 60.0), 6.0, 12.0);
 }
 float BokehFarSlope(float largest)
 {
@@ -1648,7 +1648,7 @@ if (max(tile.g, tile.r + 4.0) <= 14.0 - 4.0 * float(BOKEH_LAYER_CUBIC))
 denseRings += 1.0;
 }
 float rings = denseRings;
-if (max(nearWeight, farWeight * float(BOKEH_LAYER_RINGS - 1)) <= 0.0)
+if (max(nearWeight, farWeight * tile.r * float(BOKEH_LAYER_RINGS - 1)) <= 0.0)
 {
 rings = max(rings, min(radius / 3.0, float(BOKEH_LAYER_RINGS) + 1.0));
 }
@@ -1717,7 +1717,7 @@ outer, polygon, layers);
 }
 vec4 nearLayer = vec4(0.0, 0.0, 0.0, 0.0);
 vec4 farLayer = vec4(0.0, 0.0, 0.0, 0.0);
-if (max(tile.r - 6.0, tile.g - 10.0) > 0.0)
+if (max(tile.r, tile.g - 4.0) > 6.0)
 {
 BokehGrid halves = BokehReducedGrid(layers, 2.0);
 nearLayer = BokehFetchLayer(NearSamp, 0.5 * center, halves);
@@ -1741,8 +1741,8 @@ if (plain.a >= 0.001)
 {
 float rest = plain.a - gather.front.a;
 float open = clamp(1.0 - gather.front.a, 0.0, 1.0) / max(rest, 0.1);
-result = (gather.front.rgb + (plain.rgb - gather.front.rgb) * open) / max(gather.front.a
-+ rest * open, 0.001);
+result = (gather.front.rgb + (plain.rgb - gather.front.rgb) * open) / (gather.front.a +
+rest * open);
 }
 if (nearWeight > 0.0)
 {

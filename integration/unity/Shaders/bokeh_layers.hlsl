@@ -212,16 +212,16 @@ float BokehBrightest(float3 color)
 float BokehLayerSlope(float largest, float startCoC, float fullCoC)
 {
     float gate = clamp((largest - startCoC) / (fullCoC - startCoC), 0.001, 1.0);
-    // Over 60 it would leave pixels of more than 36 to the gather, whose few samples show on wide
-    // discs.
-    return 5.0 / clamp(largest / gate, 2.0, 60.0);
+    return 5.0 / max(largest / gate, 2.0);
 }
 
 // Layers: returns the slope of the near layer, which appears from 6 to 12 pixels
 //   Lower or higher, edges of small blurs get worse.
+//   Over 60 pixels the slope stays, so that no pixel of more than 36 is left to the gather, whose
+//   few samples would show.
 float BokehNearSlope(float largest)
 {
-    return BokehLayerSlope(largest, 6.0, 12.0);
+    return BokehLayerSlope(min(largest, 60.0), 6.0, 12.0);
 }
 
 // Layers: returns the slope of the far layer, which appears from 10 to 16 pixels
@@ -1230,7 +1230,7 @@ float4 BokehComposite(BOKEH_TEXTURE MapSamp, BOKEH_TEXTURE GatherTilesSamp, BOKE
             denseRings += 1.0;
         }
         float rings = denseRings;
-        if (max(nearWeight, farWeight * float(BOKEH_LAYER_RINGS - 1)) <= 0.0)
+        if (max(nearWeight, farWeight * tile.r * float(BOKEH_LAYER_RINGS - 1)) <= 0.0)
         {
             // A gather that reaches far has one more ring, of few samples: with wider gaps between
             // the rings, a thin bright line would show as a row of copies. In a layer the gather
@@ -1313,7 +1313,7 @@ float4 BokehComposite(BOKEH_TEXTURE MapSamp, BOKEH_TEXTURE GatherTilesSamp, BOKE
 
         float4 nearLayer = float4(0.0, 0.0, 0.0, 0.0);
         float4 farLayer = float4(0.0, 0.0, 0.0, 0.0);
-        if (max(tile.r - 6.0, tile.g - 10.0) > 0.0)
+        if (max(tile.r, tile.g - 4.0) > 6.0)
         {
             BokehGrid halves = BokehReducedGrid(layers, 2.0);
             nearLayer = BokehFetchLayer(NearSamp, 0.5 * center, halves BOKEH_LINEAR);
@@ -1342,8 +1342,8 @@ float4 BokehComposite(BOKEH_TEXTURE MapSamp, BOKEH_TEXTURE GatherTilesSamp, BOKE
             // the weight of what is in front is its coverage; the rest shows through what is left
             float rest = plain.a - gather.front.a;
             float open = clamp(1.0 - gather.front.a, 0.0, 1.0) / max(rest, 0.1);
-            result = (gather.front.rgb + (plain.rgb - gather.front.rgb) * open) / max(gather.front.a
-                + rest * open, 0.001);
+            result = (gather.front.rgb + (plain.rgb - gather.front.rgb) * open) / (gather.front.a +
+                rest * open);
         }
         if (nearWeight > 0.0)
         {

@@ -90,7 +90,8 @@ def _of_layers(render_pass: Pass) -> int:
         layers_at_once = 2 if render_pass.spec.sides in BOTH else 1
         return 1 + layers_at_once * edges * along_edge
     # HoleFill takes three rings of the size of the gather's first one. A wide gather adds one such ring, except where
-    # Composite reads the two fills, which are fewer fetches.
-    loop_counts = Most(tiles, 1 + 3 * ring_samples(1), 5 if cubic else 1, ring_samples(rings) + ring_samples(1))
+    # Composite reads the fills, which are fewer fetches. A preset with a single ring adds it where one fill is read.
+    gather = ring_samples(rings) + ring_samples(1) + (rings == 1)
+    loop_counts = Most(tiles, 1 + 3 * ring_samples(1), 5 if cubic else 1, gather)
     counts = ENTRIES[render_pass.spec.whole or render_pass.entry].fetches(loop_counts)
     return counts[1 + render_pass.constants["BOKEH_TARGET_INDEX"] if render_pass.spec.whole else 0]
