@@ -1191,7 +1191,8 @@ BokehGather BokehGatherRing(BokehGather before, BOKEH_TEXTURE MapSamp, int ring,
 //   over its own disc, or over this pixel's disc if it lies behind this pixel's surface. Pixels of
 //   a layer are left out of the gather. From back to front:
 //
-//      farFill, far layer, midFill   (the fills only behind near pixels)
+//      farFill, far layer, midFill   (midFill behind near pixels, farFill also at far pixels that
+//                                    a blurred near object covers)
 //      gathered pixels
 //      near layer
 //   returns       rgb = the finished image, a = signed CoC of this pixel
@@ -1319,7 +1320,7 @@ float4 BokehComposite(BOKEH_TEXTURE MapSamp, BOKEH_TEXTURE GatherTilesSamp, BOKE
             farLayer = BokehFetchLayer(FarSamp, 0.5 * center, halves BOKEH_LINEAR);
         }
         BokehGrid quarters = BokehReducedGrid(layers, 4.0);
-        // 1 for near pixels; for far ones, more the more of the near layer lies over them
+        // 1 at near pixels; at far pixels it grows with the coverage of the blurred near layer
         float behindNear = clamp(2.0 * farWeight * nearLayer.a - 0.25 + 1000.0 * nearWeight,
             0.0, 1.0);
         float3 farColor = farLayer.rgb / max(farLayer.a, 0.000001);

@@ -1181,7 +1181,8 @@ fn BokehGatherRing(before: BokehGather, MapSamp: texture_2d<f32>, ring: i32, onE
 //   over its own disc, or over this pixel's disc if it lies behind this pixel's surface. Pixels of
 //   a layer are left out of the gather. From back to front:
 //
-//      farFill, far layer, midFill   (the fills only behind near pixels)
+//      farFill, far layer, midFill   (midFill behind near pixels, farFill also at far pixels that
+//                                    a blurred near object covers)
 //      gathered pixels
 //      near layer
 //   returns       rgb = the finished image, a = signed CoC of this pixel
@@ -1310,7 +1311,7 @@ fn BokehComposite(MapSamp: texture_2d<f32>, GatherTilesSamp: texture_2d<f32>,
             farLayer = BokehFetchLayer(FarSamp, 0.5 * center, halves, BokehLinearClamp);
         }
         let quarters: BokehGrid = BokehReducedGrid(layers, 4.0);
-        // 1 for near pixels; for far ones, more the more of the near layer lies over them
+        // 1 at near pixels; at far pixels it grows with the coverage of the blurred near layer
         let behindNear: f32 = clamp(2.0 * farWeight * nearLayer.a - 0.25 + 1000.0 * nearWeight,
             0.0, 1.0);
         var farColor: vec3f = farLayer.rgb / max(farLayer.a, 0.000001);
