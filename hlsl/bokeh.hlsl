@@ -824,38 +824,38 @@ float4 BokehRay(int k, BokehPolygon polygon, bool secondPass)
     return segment * float4(polygon.squeeze, 1.0, polygon.squeeze, 1.0);
 }
 
-// Exact: returns the weight of sample i on a ray: does the blur of that sample reach this pixel?
-//   Behind the focus a sample with a smaller CoC is nearer to the camera. Its blur reaches only a
-//   part of the ray, the ratio of its CoC to this pixel's, and is denser there. So a light keeps
-//   its own size and its energy, and a sharp object in front does not leak. The density stops
-//   growing below a ratio of 1/4, where the few samples left would show as dots. In front of the
-//   focus every sample reaches this pixel. One that is sharp or behind the focus has half the
-//   weight, so that a near light is as dense on its own pixels as beside them. The half fades in
-//   over an eighth of this pixel's CoC, because a step would show while the focus is pulled.
+// Exact: returns the weight of a sample on a ray in front of the focus: does its blur reach this
+//   pixel?
+//   Every sample does. One that is sharp or behind the focus has half the weight, so that a near
+//   light is as dense on its own pixels as beside them. The half fades in over an eighth of this
+//   pixel's CoC, because a step would show while the focus is pulled.
+//   ratio         the sample's CoC / this pixel's; negative on the other side of the focus
+float BokehNearRayWeight(float ratio)
+{
+    return clamp(max(0.5 + 4.0 * ratio, -ratio), 0.5, 1.0);
+}
+
+// Exact: returns the weight of sample i on a ray behind the focus: does its blur reach this pixel?
+//   A sample with a smaller CoC is nearer to the camera. Its blur reaches only a part of the ray,
+//   the ratio of its CoC to this pixel's, and is denser there. So a light keeps its own size and
+//   its energy, and a sharp object in front does not leak. The density stops growing below a ratio
+//   of 1/4, where the few samples left would show as dots.
+//   ratio         the sample's CoC / this pixel's; negative on the other side of the focus
 //   samples       number of samples on the ray, from BokehSampleCount
 //   returns       x = weight; y = weight without the density; z = the part of x that belongs to the
 //                 surface of this pixel: all of it at the same CoC, none below 3/4
-float3 BokehRayWeight(float sampleCoC, float centerCoC, float samples, int i)
+float3 BokehFarRayWeight(float ratio, float samples, int i)
 {
-    // negative on the other side of the focus
-    float side = sampleCoC / centerCoC;
-    float ratio = min(abs(side), 1.0);
-    float reached = clamp(ratio * samples - float(i), 0.0, 1.0);
-    float density = 1.0 / max(ratio, 0.25);
-    if (centerCoC < 0.0)
-    {
-        float sharp = clamp(0.5 + 4.0 * side, 0.5, 1.0);
-        reached = clamp(samples - float(i), 0.0, 1.0) * max(ratio, sharp);
-        density = 1.0;
-    }
-    float weight = reached * density;
-    return float3(weight, reached, weight * clamp(4.0 * side - 3.0, 0.0, 1.0));
+    float part = min(abs(ratio), 1.0);
+    float reached = clamp(part * samples - float(i), 0.0, 1.0);
+    float weight = reached / max(part, 0.25);
+    return float3(weight, reached, weight * clamp(4.0 * ratio - 3.0, 0.0, 1.0));
 }
 
 // Exact: holds the sum of the samples along one line
 //   sum           rgb = mean of colour times weight, a = mean weight; in the second pass times the
 //                 area of the edge's parallelograms; 0 if the pixel is in focus
-//   reached       brightness of the sum without the density of BokehRayWeight
+//   reached       behind the focus: brightness of the sum without the density of BokehFarRayWeight
 struct BokehLine
 {
     float4 sum;
@@ -889,6 +889,7 @@ BokehLine BokehLineSum(BOKEH_TEXTURE tex, float2 uv, int k, BokehPolygon polygon
         float2 scale = float2(CoC / settings.aspectRatio, CoC);
         float2 first = uv + (segment.xy - segment.zw) * scale;
         float2 sampleStep = segment.zw * scale * (2.0 / samples);
+        float inverseCoC = 1.0 / centerCoC;
         float4 surface = float4(0.0, 0.0, 0.0, 0.0);
         BOKEH_LOOP for (int i = 0; i < BOKEH_NUM_SAMPLES; i++)
         {
@@ -901,10 +902,18 @@ BokehLine BokehLineSum(BOKEH_TEXTURE tex, float2 uv, int k, BokehPolygon polygon
                 phase) BOKEH_LINEAR);
             if (rays)
             {
-                float3 weights = BokehRayWeight(samplePixel.a, centerCoC, samples, i);
-                sum += float4(samplePixel.rgb, 1.0) * weights.x;
-                reached += (samplePixel.r + samplePixel.g + samplePixel.b) * weights.y;
-                surface += float4(samplePixel.rgb, 1.0) * weights.z;
+                float ratio = samplePixel.a * inverseCoC;
+                if (centerCoC < 0.0)
+                {
+                    sum += float4(samplePixel.rgb, 1.0) * (part * BokehNearRayWeight(ratio));
+                }
+                else
+                {
+                    float3 weights = BokehFarRayWeight(ratio, samples, i);
+                    sum += float4(samplePixel.rgb, 1.0) * weights.x;
+                    reached += (samplePixel.r + samplePixel.g + samplePixel.b) * weights.y;
+                    surface += float4(samplePixel.rgb, 1.0) * weights.z;
+                }
             }
             else
             {
@@ -933,10 +942,11 @@ BokehLine BokehLineSum(BOKEH_TEXTURE tex, float2 uv, int k, BokehPolygon polygon
 
 // Exact: computes strip k of the first pass from the lines along edges 1 to k - 1
 //   The lines are weighted by the areas of their parallelograms and divided once, by the sum of all
-//   weights. The second pass spreads the result by the CoC in alpha. If most of the light came from
-//   a nearer pixel with a smaller CoC, it needs that pixel's CoC: the fraction of the brightness
-//   that remains without the density is the ratio of the two. Elsewhere it is the CoC of this
-//   pixel; the factor 1.001 keeps rounding from changing it where all pixels have the same CoC.
+//   weights. The second pass spreads the result by the CoC in alpha. If, behind the focus, most of
+//   the light came from a nearer pixel with a smaller CoC, it needs that pixel's CoC: the fraction
+//   of the brightness that remains without the density is the ratio of the two. Elsewhere it is the
+//   CoC of this pixel; the factor 1.001 keeps rounding from changing it where all pixels have the
+//   same CoC.
 //   returns       rgb = colour, a = signed CoC
 float4 BokehExactTarget(int k, BokehPolygon polygon, bool rays, BokehLine L1, BokehLine L2,
     BokehLine L3, BokehLine L4, float4 centerPixel)
@@ -945,7 +955,7 @@ float4 BokehExactTarget(int k, BokehPolygon polygon, bool rays, BokehLine L1, Bo
     float4 sum = L1.sum * weights.x + L2.sum * weights.y + L3.sum * weights.z + L4.sum * weights.w;
     float4 result = BokehResolved(sum, centerPixel);
     float gathered = sum.r + sum.g + sum.b;
-    if (rays && gathered > 0.0)
+    if (rays && centerPixel.a > 0.0 && gathered > 0.0)
     {
         float reached = dot(float4(L1.reached, L2.reached, L3.reached, L4.reached), weights);
         result = float4(result.rgb, result.a * min(reached / gathered * 1.001, 1.0));

@@ -719,38 +719,38 @@ fn BokehRay(k: i32, polygon: BokehPolygon, secondPass: bool) -> vec4f
     return segment * vec4f(polygon.squeeze, 1.0, polygon.squeeze, 1.0);
 }
 
-// Exact: returns the weight of sample i on a ray: does the blur of that sample reach this pixel?
-//   Behind the focus a sample with a smaller CoC is nearer to the camera. Its blur reaches only a
-//   part of the ray, the ratio of its CoC to this pixel's, and is denser there. So a light keeps
-//   its own size and its energy, and a sharp object in front does not leak. The density stops
-//   growing below a ratio of 1/4, where the few samples left would show as dots. In front of the
-//   focus every sample reaches this pixel. One that is sharp or behind the focus has half the
-//   weight, so that a near light is as dense on its own pixels as beside them. The half fades in
-//   over an eighth of this pixel's CoC, because a step would show while the focus is pulled.
+// Exact: returns the weight of a sample on a ray in front of the focus: does its blur reach this
+//   pixel?
+//   Every sample does. One that is sharp or behind the focus has half the weight, so that a near
+//   light is as dense on its own pixels as beside them. The half fades in over an eighth of this
+//   pixel's CoC, because a step would show while the focus is pulled.
+//   ratio         the sample's CoC / this pixel's; negative on the other side of the focus
+fn BokehNearRayWeight(ratio: f32) -> f32
+{
+    return clamp(max(0.5 + 4.0 * ratio, -ratio), 0.5, 1.0);
+}
+
+// Exact: returns the weight of sample i on a ray behind the focus: does its blur reach this pixel?
+//   A sample with a smaller CoC is nearer to the camera. Its blur reaches only a part of the ray,
+//   the ratio of its CoC to this pixel's, and is denser there. So a light keeps its own size and
+//   its energy, and a sharp object in front does not leak. The density stops growing below a ratio
+//   of 1/4, where the few samples left would show as dots.
+//   ratio         the sample's CoC / this pixel's; negative on the other side of the focus
 //   samples       number of samples on the ray, from BokehSampleCount
 //   returns       x = weight; y = weight without the density; z = the part of x that belongs to the
 //                 surface of this pixel: all of it at the same CoC, none below 3/4
-fn BokehRayWeight(sampleCoC: f32, centerCoC: f32, samples: f32, i: i32) -> vec3f
+fn BokehFarRayWeight(ratio: f32, samples: f32, i: i32) -> vec3f
 {
-    // negative on the other side of the focus
-    let side: f32 = sampleCoC / centerCoC;
-    let ratio: f32 = min(abs(side), 1.0);
-    var reached: f32 = clamp(ratio * samples - f32(i), 0.0, 1.0);
-    var density: f32 = 1.0 / max(ratio, 0.25);
-    if (centerCoC < 0.0)
-    {
-        let sharp: f32 = clamp(0.5 + 4.0 * side, 0.5, 1.0);
-        reached = clamp(samples - f32(i), 0.0, 1.0) * max(ratio, sharp);
-        density = 1.0;
-    }
-    let weight: f32 = reached * density;
-    return vec3f(weight, reached, weight * clamp(4.0 * side - 3.0, 0.0, 1.0));
+    let part: f32 = min(abs(ratio), 1.0);
+    let reached: f32 = clamp(part * samples - f32(i), 0.0, 1.0);
+    let weight: f32 = reached / max(part, 0.25);
+    return vec3f(weight, reached, weight * clamp(4.0 * ratio - 3.0, 0.0, 1.0));
 }
 
 // Exact: holds the sum of the samples along one line
 //   sum           rgb = mean of colour times weight, a = mean weight; in the second pass times the
 //                 area of the edge's parallelograms; 0 if the pixel is in focus
-//   reached       brightness of the sum without the density of BokehRayWeight
+//   reached       behind the focus: brightness of the sum without the density of BokehFarRayWeight
 struct BokehLine
 {
     sum: vec4f,
@@ -785,6 +785,7 @@ fn BokehLineSum(tex: texture_2d<f32>, uv: vec2f, k: i32, polygon: BokehPolygon, 
         let scale: vec2f = vec2f(CoC / settings.aspectRatio, CoC);
         let first: vec2f = uv + (segment.xy - segment.zw) * scale;
         let sampleStep: vec2f = segment.zw * scale * (2.0 / samples);
+        let inverseCoC: f32 = 1.0 / centerCoC;
         var surface: vec4f = vec4f(0.0, 0.0, 0.0, 0.0);
         for (var i: i32 = 0; i < BOKEH_NUM_SAMPLES; i++)
         {
@@ -797,10 +798,18 @@ fn BokehLineSum(tex: texture_2d<f32>, uv: vec2f, k: i32, polygon: BokehPolygon, 
                 BokehLinearClamp);
             if (rays)
             {
-                let weights: vec3f = BokehRayWeight(samplePixel.a, centerCoC, samples, i);
-                sum += vec4f(samplePixel.rgb, 1.0) * weights.x;
-                reached += (samplePixel.r + samplePixel.g + samplePixel.b) * weights.y;
-                surface += vec4f(samplePixel.rgb, 1.0) * weights.z;
+                let ratio: f32 = samplePixel.a * inverseCoC;
+                if (centerCoC < 0.0)
+                {
+                    sum += vec4f(samplePixel.rgb, 1.0) * (part * BokehNearRayWeight(ratio));
+                }
+                else
+                {
+                    let weights: vec3f = BokehFarRayWeight(ratio, samples, i);
+                    sum += vec4f(samplePixel.rgb, 1.0) * weights.x;
+                    reached += (samplePixel.r + samplePixel.g + samplePixel.b) * weights.y;
+                    surface += vec4f(samplePixel.rgb, 1.0) * weights.z;
+                }
             }
             else
             {
@@ -830,10 +839,11 @@ fn BokehLineSum(tex: texture_2d<f32>, uv: vec2f, k: i32, polygon: BokehPolygon, 
 
 // Exact: computes strip k of the first pass from the lines along edges 1 to k - 1
 //   The lines are weighted by the areas of their parallelograms and divided once, by the sum of all
-//   weights. The second pass spreads the result by the CoC in alpha. If most of the light came from
-//   a nearer pixel with a smaller CoC, it needs that pixel's CoC: the fraction of the brightness
-//   that remains without the density is the ratio of the two. Elsewhere it is the CoC of this
-//   pixel; the factor 1.001 keeps rounding from changing it where all pixels have the same CoC.
+//   weights. The second pass spreads the result by the CoC in alpha. If, behind the focus, most of
+//   the light came from a nearer pixel with a smaller CoC, it needs that pixel's CoC: the fraction
+//   of the brightness that remains without the density is the ratio of the two. Elsewhere it is the
+//   CoC of this pixel; the factor 1.001 keeps rounding from changing it where all pixels have the
+//   same CoC.
 //   returns       rgb = colour, a = signed CoC
 fn BokehExactTarget(k: i32, polygon: BokehPolygon, rays: bool, L1: BokehLine, L2: BokehLine,
     L3: BokehLine, L4: BokehLine, centerPixel: vec4f) -> vec4f
@@ -843,7 +853,7 @@ fn BokehExactTarget(k: i32, polygon: BokehPolygon, rays: bool, L1: BokehLine, L2
         weights.w;
     var result: vec4f = BokehResolved(sum, centerPixel);
     let gathered: f32 = sum.r + sum.g + sum.b;
-    if (rays && gathered > 0.0)
+    if (rays && centerPixel.a > 0.0 && gathered > 0.0)
     {
         let reached: f32 = dot(vec4f(L1.reached, L2.reached, L3.reached, L4.reached), weights);
         result = vec4f(result.rgb, result.a * min(reached / gathered * 1.001, 1.0));

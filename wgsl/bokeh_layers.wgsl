@@ -1068,13 +1068,23 @@ fn BokehSpreadInverse(CoC: vec2f) -> vec2f
     return inverse * (inverse * 9.6 + 4.0);
 }
 
-// Layers: returns the outer border of a ring of the gather, pixels; ring 0 is the inner disc
+// Layers: describes how the gather of a pixel is divided into rings
+//   radius        of the gather, pixels
 //   spacing       between rings, pixels
 //   narrowing     0: evenly spaced; 1: closer to the centre, but never closer than a pixel
-fn BokehRingBorder(ring: i32, radius: f32, spacing: f32, narrowing: f32) -> f32
+struct BokehRingLayout
 {
-    let even: f32 = spacing * (f32(ring) + 0.5);
-    return max(even + even * (even / radius - 1.0) * narrowing, min(even, f32(ring) + 0.5));
+    radius: f32,
+    spacing: f32,
+    narrowing: f32,
+}
+
+// Layers: returns the outer border of a ring of the gather, pixels; ring 0 is the inner disc
+fn BokehRingBorder(ring: i32, rings: BokehRingLayout) -> f32
+{
+    let even: f32 = rings.spacing * (f32(ring) + 0.5);
+    return max(even + even * (even / rings.radius - 1.0) * rings.narrowing, min(even, f32(ring) +
+        0.5));
 }
 
 // Layers: holds the gather around a pixel, as far as it has come
@@ -1163,16 +1173,33 @@ fn BokehGatherRing(before: BokehGather, MapSamp: texture_2d<f32>, ring: i32, onE
             let inFar: vec2f = covers * clamp(CoC * gather.slopes.y - 2.0, zero, one);
             covers = covers * (1.0 - clamp(CoC * -gather.slopes.x - 2.0, zero, one)) - inFar;
             gather.farFound += inFar.x + inFar.y;
-            let part: vec4f = vec4f(pixel.rgb, 1.0) * covers.x;
-            let otherPart: vec4f = vec4f(other.rgb, 1.0) * covers.y;
-            gather.sum += part + otherPart;
-            let isFront: vec2f = clamp(gather.s - 0.5 - CoC, zero, one);
-            gather.front += part * isFront.x + otherPart * isFront.y;
+            gather.sum += vec4f(pixel.rgb, 1.0) * covers.x;
+            gather.sum += vec4f(other.rgb, 1.0) * covers.y;
+            let inFront: vec2f = covers * clamp(gather.s - 0.5 - CoC, zero, one);
+            gather.front += vec4f(pixel.rgb, 1.0) * inFront.x;
+            gather.front += vec4f(other.rgb, 1.0) * inFront.y;
         }
         corner += alongEdge;
         direction = BokehRotated(direction, turn);
     }
     gather.inner = outer;
+    return gather;
+}
+
+// Layers: gathers one more ring, if there is one between the gather so far and its end
+//   density       number of the ring that has the number of samples to take
+//   end           pixels
+fn BokehGatherTo(before: BokehGather, MapSamp: texture_2d<f32>, ring: i32, density: i32, end: f32,
+    rings: BokehRingLayout, polygon: BokehPolygon, layers: BokehLayerContext,
+    BokehLinearClamp: sampler) -> BokehGather
+{
+    var gather: BokehGather = before;
+    let outer: f32 = min(BokehRingBorder(ring, rings), end);
+    if (ring <= BOKEH_LAYER_RINGS + 1 && gather.inner < outer)
+    {
+        gather = BokehGatherRing(gather, MapSamp, ring, BokehSamplesPerEdge(min(density,
+            BOKEH_LAYER_RINGS), polygon), outer, polygon, layers, BokehLinearClamp);
+    }
     return gather;
 }
 
@@ -1197,8 +1224,20 @@ fn BokehComposite(MapSamp: texture_2d<f32>, GatherTilesSamp: texture_2d<f32>,
     let tile: vec4f = BokehFetchGrid(GatherTilesSamp, center / 8.0, BokehReducedGrid(layers, 8.0),
         BokehLinearClamp);
     var result: vec3f = centerPixel.rgb;
-    // nothing within reach is blurred by more than a pixel: copy the input
-    if (max(tile.r, tile.g) > 1.0)
+    let halves: BokehGrid = BokehReducedGrid(layers, 2.0);
+    var nearLayer: vec4f = vec4f(0.0, 0.0, 0.0, 0.0);
+    // only where BOKEH_SIDES is defined: shader model 3 has too few registers to keep the layer
+    // during the gather
+    if (BOKEH_SIDES > 0 && tile.r > 6.0)
+    {
+        nearLayer = BokehFetchLayer(NearSamp, 0.5 * center, halves, BokehLinearClamp);
+    }
+    // half floats leave a covered pixel at 0.999: a lower factor lets a light behind it shine
+    // through, a higher one makes edges hard
+    let fullAlpha: f32 = 1.002;
+    // copy the input if nothing within reach is blurred by more than a pixel; a near layer may hide
+    // everything else
+    if (max(tile.r, tile.g) > 1.0 && nearLayer.a * fullAlpha < 1.0)
     {
         var gather: BokehGather;
         let s: f32 = centerPixel.a * full.size.y;
@@ -1212,7 +1251,9 @@ fn BokehComposite(MapSamp: texture_2d<f32>, GatherTilesSamp: texture_2d<f32>,
         let restRadius: f32 = clamp(16.0 - 16.0 * farWeight, 0.0, 1.0) * (1.0 - nearWeight) /
             sqrt(gather.inverse);
         let radius: f32 = max(max(restRadius, 0.01), 0.5 * max(tile.b, tile.a * farWeight));
-        let narrowing: f32 = clamp(radius / max(restRadius, 1.0) - 1.0, 0.0, 1.0);
+        var ringLayout: BokehRingLayout;
+        ringLayout.radius = radius;
+        ringLayout.narrowing = clamp(radius / max(restRadius, 1.0) - 1.0, 0.0, 1.0);
         // no layer here: spend its fetches on one more ring; without CUBIC, do so also where layers
         // are small
         var denseRings: f32 = f32(BOKEH_LAYER_RINGS);
@@ -1229,8 +1270,8 @@ fn BokehComposite(MapSamp: texture_2d<f32>, GatherTilesSamp: texture_2d<f32>,
             rings = max(rings, min(radius / 3.0, f32(BOKEH_LAYER_RINGS) + 1.0));
         }
         // rings closer than a pixel find nothing new; .499: the last ends at the radius
-        let spacing: f32 = max(min(radius / 1.499, 1.0), radius / (rings + 0.499));
-        gather.inner = BokehRingBorder(0, radius, spacing, narrowing);
+        ringLayout.spacing = max(min(radius / 1.499, 1.0), radius / (rings + 0.499));
+        gather.inner = BokehRingBorder(0, ringLayout);
         // Samples within half a pixel are this pixel again: no ring.
         if (radius < 0.5)
         {
@@ -1253,61 +1294,52 @@ fn BokehComposite(MapSamp: texture_2d<f32>, GatherTilesSamp: texture_2d<f32>,
         var lastInner: f32 = radius;
         if (rings > denseRings)
         {
-            lastInner = min(BokehRingBorder(BOKEH_LAYER_RINGS, radius, spacing, narrowing), radius);
+            lastInner = min(BokehRingBorder(BOKEH_LAYER_RINGS, ringLayout), radius);
         }
-        var end: f32 = radius;
-        var first: i32 = 1;
         if (BOKEH_SIDES > 0)
         {
-            // Compilers write out loops over a known number of samples, so the rings of few
-            // samples, the first and that of a wide gather, have a loop of their own.
-            var denseInner: f32 = gather.inner;
-            for (var sparse: i32 = 0; sparse < 2; sparse++)
+            // each ring has a call of its own: its number of samples is then known, and compilers
+            // unroll its loops
+            gather = BokehGatherTo(gather, MapSamp, 1, 1, lastInner, ringLayout, polygon,
+                layers, BokehLinearClamp);
+            gather = BokehGatherTo(gather, MapSamp, 2, 2, lastInner, ringLayout, polygon,
+                layers, BokehLinearClamp);
+            gather = BokehGatherTo(gather, MapSamp, 3, 3, lastInner, ringLayout, polygon,
+                layers, BokehLinearClamp);
+            gather = BokehGatherTo(gather, MapSamp, 4, 4, lastInner, ringLayout, polygon,
+                layers, BokehLinearClamp);
+            gather = BokehGatherTo(gather, MapSamp, 5, 5, lastInner, ringLayout, polygon,
+                layers, BokehLinearClamp);
+            gather.inner = lastInner;
+            gather = BokehGatherTo(gather, MapSamp, BOKEH_LAYER_RINGS + 1, 1, radius, ringLayout,
+                polygon, layers, BokehLinearClamp);
+        }
+        else
+        {
+            for (var ring: i32 = 1; ring <= BOKEH_LAYER_RINGS + 1; ring++)
             {
-                var ring: i32 = 1 + sparse * BOKEH_LAYER_RINGS;
-                if (sparse > 0)
-                {
-                    denseInner = gather.inner;
-                    gather.inner = lastInner;
-                }
                 if (gather.inner >= radius)
                 {
                     break;
                 }
-                let outer: f32 = min(BokehRingBorder(ring, radius, spacing, narrowing), radius);
-                gather = BokehGatherRing(gather, MapSamp, ring, BokehSamplesPerEdge(1, polygon),
-                    outer, polygon, layers, BokehLinearClamp);
+                var density: i32 = min(ring, BOKEH_LAYER_RINGS);
+                if (f32(ring) > denseRings)
+                {
+                    density = 1;
+                }
+                let outer: f32 = min(BokehRingBorder(ring, ringLayout), radius);
+                gather = BokehGatherRing(gather, MapSamp, ring, BokehSamplesPerEdge(density,
+                    polygon), outer, polygon, layers, BokehLinearClamp);
             }
-            gather.inner = denseInner;
-            end = lastInner;
-            first = 2;
-        }
-        for (var ring: i32 = first; ring <= BOKEH_LAYER_RINGS + 1; ring++)
-        {
-            if (gather.inner >= end)
-            {
-                break;
-            }
-            let outer: f32 = min(BokehRingBorder(ring, radius, spacing, narrowing), end);
-            var density: i32 = BOKEH_LAYER_RINGS;
-            if (first < BOKEH_LAYER_RINGS)
-            {
-                density = min(ring, BOKEH_LAYER_RINGS);
-            }
-            if (first < 2 && f32(ring) > denseRings)
-            {
-                density = 1;
-            }
-            gather = BokehGatherRing(gather, MapSamp, ring, BokehSamplesPerEdge(density, polygon),
-                outer, polygon, layers, BokehLinearClamp);
         }
 
-        var nearLayer: vec4f = vec4f(0.0, 0.0, 0.0, 0.0);
         var farLayer: vec4f = vec4f(0.0, 0.0, 0.0, 0.0);
         if (max(tile.r, tile.g - 4.0) > 6.0)
         {
-            let halves: BokehGrid = BokehReducedGrid(layers, 2.0);
-            nearLayer = BokehFetchLayer(NearSamp, 0.5 * center, halves, BokehLinearClamp);
+            if (BOKEH_SIDES == 0)
+            {
+                nearLayer = BokehFetchLayer(NearSamp, 0.5 * center, halves, BokehLinearClamp);
+            }
             farLayer = BokehFetchLayer(FarSamp, 0.5 * center, halves, BokehLinearClamp);
         }
         let quarters: BokehGrid = BokehReducedGrid(layers, 4.0);
@@ -1349,10 +1381,8 @@ fn BokehComposite(MapSamp: texture_2d<f32>, GatherTilesSamp: texture_2d<f32>,
                 max(sum.a + empty, 0.000001);
             result += (stack - result) * nearWeight;
         }
-        // half floats leave a covered pixel at 0.999: a lower factor lets a light behind it shine
-        // through, a higher one makes edges hard
-        let alpha: f32 = clamp(nearLayer.a * 1.002, 0.0, 1.0);
-        result = result * (1.0 - alpha) + nearLayer.rgb * (alpha / max(nearLayer.a, 0.000001));
     }
+    let alpha: f32 = clamp(nearLayer.a * fullAlpha, 0.0, 1.0);
+    result = result * (1.0 - alpha) + nearLayer.rgb * (alpha / max(nearLayer.a, 0.000001));
     return vec4f(result, centerPixel.a);
 }

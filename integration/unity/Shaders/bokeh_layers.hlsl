@@ -1081,13 +1081,23 @@ float2 BokehSpreadInverse(float2 CoC)
     return inverse * (inverse * 9.6 + 4.0);
 }
 
-// Layers: returns the outer border of a ring of the gather, pixels; ring 0 is the inner disc
+// Layers: describes how the gather of a pixel is divided into rings
+//   radius        of the gather, pixels
 //   spacing       between rings, pixels
 //   narrowing     0: evenly spaced; 1: closer to the centre, but never closer than a pixel
-float BokehRingBorder(int ring, float radius, float spacing, float narrowing)
+struct BokehRingLayout
 {
-    float even = spacing * (float(ring) + 0.5);
-    return max(even + even * (even / radius - 1.0) * narrowing, min(even, float(ring) + 0.5));
+    float radius;
+    float spacing;
+    float narrowing;
+};
+
+// Layers: returns the outer border of a ring of the gather, pixels; ring 0 is the inner disc
+float BokehRingBorder(int ring, BokehRingLayout rings)
+{
+    float even = rings.spacing * (float(ring) + 0.5);
+    return max(even + even * (even / rings.radius - 1.0) * rings.narrowing, min(even, float(ring) +
+        0.5));
 }
 
 // Layers: holds the gather around a pixel, as far as it has come
@@ -1174,16 +1184,32 @@ BokehGather BokehGatherRing(BokehGather before, BOKEH_TEXTURE MapSamp, int ring,
             float2 inFar = covers * clamp(CoC * gather.slopes.y - 2.0, zero, one);
             covers = covers * (1.0 - clamp(CoC * -gather.slopes.x - 2.0, zero, one)) - inFar;
             gather.farFound += inFar.x + inFar.y;
-            float4 part = float4(pixel.rgb, 1.0) * covers.x;
-            float4 otherPart = float4(other.rgb, 1.0) * covers.y;
-            gather.sum += part + otherPart;
-            float2 isFront = clamp(gather.s - 0.5 - CoC, zero, one);
-            gather.front += part * isFront.x + otherPart * isFront.y;
+            gather.sum += float4(pixel.rgb, 1.0) * covers.x;
+            gather.sum += float4(other.rgb, 1.0) * covers.y;
+            float2 inFront = covers * clamp(gather.s - 0.5 - CoC, zero, one);
+            gather.front += float4(pixel.rgb, 1.0) * inFront.x;
+            gather.front += float4(other.rgb, 1.0) * inFront.y;
         }
         corner += alongEdge;
         direction = BokehRotated(direction, turn);
     }
     gather.inner = outer;
+    return gather;
+}
+
+// Layers: gathers one more ring, if there is one between the gather so far and its end
+//   density       number of the ring that has the number of samples to take
+//   end           pixels
+BokehGather BokehGatherTo(BokehGather before, BOKEH_TEXTURE MapSamp, int ring, int density,
+    float end, BokehRingLayout rings, BokehPolygon polygon, BokehLayerContext layers BOKEH_SAMPLER)
+{
+    BokehGather gather = before;
+    float outer = min(BokehRingBorder(ring, rings), end);
+    if (ring <= BOKEH_LAYER_RINGS + 1 && gather.inner < outer)
+    {
+        gather = BokehGatherRing(gather, MapSamp, ring, BokehSamplesPerEdge(min(density,
+            BOKEH_LAYER_RINGS), polygon), outer, polygon, layers BOKEH_LINEAR);
+    }
     return gather;
 }
 
@@ -1207,8 +1233,20 @@ float4 BokehComposite(BOKEH_TEXTURE MapSamp, BOKEH_TEXTURE GatherTilesSamp, BOKE
     float4 tile = BokehFetchGrid(GatherTilesSamp, center / 8.0, BokehReducedGrid(layers,
         8.0) BOKEH_LINEAR);
     float3 result = centerPixel.rgb;
-    // nothing within reach is blurred by more than a pixel: copy the input
-    if (max(tile.r, tile.g) > 1.0)
+    BokehGrid halves = BokehReducedGrid(layers, 2.0);
+    float4 nearLayer = float4(0.0, 0.0, 0.0, 0.0);
+    // only where BOKEH_SIDES is defined: shader model 3 has too few registers to keep the layer
+    // during the gather
+    if (BOKEH_SIDES > 0 && tile.r > 6.0)
+    {
+        nearLayer = BokehFetchLayer(NearSamp, 0.5 * center, halves BOKEH_LINEAR);
+    }
+    // half floats leave a covered pixel at 0.999: a lower factor lets a light behind it shine
+    // through, a higher one makes edges hard
+    float fullAlpha = 1.002;
+    // copy the input if nothing within reach is blurred by more than a pixel; a near layer may hide
+    // everything else
+    if (max(tile.r, tile.g) > 1.0 && nearLayer.a * fullAlpha < 1.0)
     {
         BokehGather gather;
         float s = centerPixel.a * full.size.y;
@@ -1222,7 +1260,9 @@ float4 BokehComposite(BOKEH_TEXTURE MapSamp, BOKEH_TEXTURE GatherTilesSamp, BOKE
         float restRadius = clamp(16.0 - 16.0 * farWeight, 0.0, 1.0) * (1.0 - nearWeight) /
             sqrt(gather.inverse);
         float radius = max(max(restRadius, 0.01), 0.5 * max(tile.b, tile.a * farWeight));
-        float narrowing = clamp(radius / max(restRadius, 1.0) - 1.0, 0.0, 1.0);
+        BokehRingLayout ringLayout;
+        ringLayout.radius = radius;
+        ringLayout.narrowing = clamp(radius / max(restRadius, 1.0) - 1.0, 0.0, 1.0);
         // no layer here: spend its fetches on one more ring; without CUBIC, do so also where layers
         // are small
         float denseRings = float(BOKEH_LAYER_RINGS);
@@ -1239,8 +1279,8 @@ float4 BokehComposite(BOKEH_TEXTURE MapSamp, BOKEH_TEXTURE GatherTilesSamp, BOKE
             rings = max(rings, min(radius / 3.0, float(BOKEH_LAYER_RINGS) + 1.0));
         }
         // rings closer than a pixel find nothing new; .499: the last ends at the radius
-        float spacing = max(min(radius / 1.499, 1.0), radius / (rings + 0.499));
-        gather.inner = BokehRingBorder(0, radius, spacing, narrowing);
+        ringLayout.spacing = max(min(radius / 1.499, 1.0), radius / (rings + 0.499));
+        gather.inner = BokehRingBorder(0, ringLayout);
         // Samples within half a pixel are this pixel again: no ring.
         if (radius < 0.5)
         {
@@ -1263,61 +1303,52 @@ float4 BokehComposite(BOKEH_TEXTURE MapSamp, BOKEH_TEXTURE GatherTilesSamp, BOKE
         float lastInner = radius;
         if (rings > denseRings)
         {
-            lastInner = min(BokehRingBorder(BOKEH_LAYER_RINGS, radius, spacing, narrowing), radius);
+            lastInner = min(BokehRingBorder(BOKEH_LAYER_RINGS, ringLayout), radius);
         }
-        float end = radius;
-        int first = 1;
         if (BOKEH_SIDES > 0)
         {
-            // Compilers write out loops over a known number of samples, so the rings of few
-            // samples, the first and that of a wide gather, have a loop of their own.
-            float denseInner = gather.inner;
-            BOKEH_LOOP for (int sparse = 0; sparse < 2; sparse++)
+            // each ring has a call of its own: its number of samples is then known, and compilers
+            // unroll its loops
+            gather = BokehGatherTo(gather, MapSamp, 1, 1, lastInner, ringLayout, polygon,
+                layers BOKEH_LINEAR);
+            gather = BokehGatherTo(gather, MapSamp, 2, 2, lastInner, ringLayout, polygon,
+                layers BOKEH_LINEAR);
+            gather = BokehGatherTo(gather, MapSamp, 3, 3, lastInner, ringLayout, polygon,
+                layers BOKEH_LINEAR);
+            gather = BokehGatherTo(gather, MapSamp, 4, 4, lastInner, ringLayout, polygon,
+                layers BOKEH_LINEAR);
+            gather = BokehGatherTo(gather, MapSamp, 5, 5, lastInner, ringLayout, polygon,
+                layers BOKEH_LINEAR);
+            gather.inner = lastInner;
+            gather = BokehGatherTo(gather, MapSamp, BOKEH_LAYER_RINGS + 1, 1, radius, ringLayout,
+                polygon, layers BOKEH_LINEAR);
+        }
+        else
+        {
+            BOKEH_LOOP for (int ring = 1; ring <= BOKEH_LAYER_RINGS + 1; ring++)
             {
-                int ring = 1 + sparse * BOKEH_LAYER_RINGS;
-                if (sparse > 0)
-                {
-                    denseInner = gather.inner;
-                    gather.inner = lastInner;
-                }
                 if (gather.inner >= radius)
                 {
                     break;
                 }
-                float outer = min(BokehRingBorder(ring, radius, spacing, narrowing), radius);
-                gather = BokehGatherRing(gather, MapSamp, ring, BokehSamplesPerEdge(1, polygon),
-                    outer, polygon, layers BOKEH_LINEAR);
+                int density = min(ring, BOKEH_LAYER_RINGS);
+                if (float(ring) > denseRings)
+                {
+                    density = 1;
+                }
+                float outer = min(BokehRingBorder(ring, ringLayout), radius);
+                gather = BokehGatherRing(gather, MapSamp, ring, BokehSamplesPerEdge(density,
+                    polygon), outer, polygon, layers BOKEH_LINEAR);
             }
-            gather.inner = denseInner;
-            end = lastInner;
-            first = 2;
-        }
-        BOKEH_LOOP for (int ring = first; ring <= BOKEH_LAYER_RINGS + 1; ring++)
-        {
-            if (gather.inner >= end)
-            {
-                break;
-            }
-            float outer = min(BokehRingBorder(ring, radius, spacing, narrowing), end);
-            int density = BOKEH_LAYER_RINGS;
-            if (first < BOKEH_LAYER_RINGS)
-            {
-                density = min(ring, BOKEH_LAYER_RINGS);
-            }
-            if (first < 2 && float(ring) > denseRings)
-            {
-                density = 1;
-            }
-            gather = BokehGatherRing(gather, MapSamp, ring, BokehSamplesPerEdge(density, polygon),
-                outer, polygon, layers BOKEH_LINEAR);
         }
 
-        float4 nearLayer = float4(0.0, 0.0, 0.0, 0.0);
         float4 farLayer = float4(0.0, 0.0, 0.0, 0.0);
         if (max(tile.r, tile.g - 4.0) > 6.0)
         {
-            BokehGrid halves = BokehReducedGrid(layers, 2.0);
-            nearLayer = BokehFetchLayer(NearSamp, 0.5 * center, halves BOKEH_LINEAR);
+            if (BOKEH_SIDES == 0)
+            {
+                nearLayer = BokehFetchLayer(NearSamp, 0.5 * center, halves BOKEH_LINEAR);
+            }
             farLayer = BokehFetchLayer(FarSamp, 0.5 * center, halves BOKEH_LINEAR);
         }
         BokehGrid quarters = BokehReducedGrid(layers, 4.0);
@@ -1357,10 +1388,8 @@ float4 BokehComposite(BOKEH_TEXTURE MapSamp, BOKEH_TEXTURE GatherTilesSamp, BOKE
                 max(sum.a + empty, 0.000001);
             result += (stack - result) * nearWeight;
         }
-        // half floats leave a covered pixel at 0.999: a lower factor lets a light behind it shine
-        // through, a higher one makes edges hard
-        float alpha = clamp(nearLayer.a * 1.002, 0.0, 1.0);
-        result = result * (1.0 - alpha) + nearLayer.rgb * (alpha / max(nearLayer.a, 0.000001));
     }
+    float alpha = clamp(nearLayer.a * fullAlpha, 0.0, 1.0);
+    result = result * (1.0 - alpha) + nearLayer.rgb * (alpha / max(nearLayer.a, 0.000001));
     return float4(result, centerPixel.a);
 }

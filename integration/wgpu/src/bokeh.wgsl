@@ -384,20 +384,16 @@ let segment: vec4f = vec4f(BokehRotated(middle, polygon.axis), BokehRotated(half
 polygon.axis));
 return segment * vec4f(polygon.squeeze, 1.0, polygon.squeeze, 1.0);
 }
-fn BokehRayWeight(sampleCoC: f32, centerCoC: f32, samples: f32, i: i32) -> vec3f
+fn BokehNearRayWeight(ratio: f32) -> f32
 {
-let side: f32 = sampleCoC / centerCoC;
-let ratio: f32 = min(abs(side), 1.0);
-var reached: f32 = clamp(ratio * samples - f32(i), 0.0, 1.0);
-var density: f32 = 1.0 / max(ratio, 0.25);
-if (centerCoC < 0.0)
-{
-let sharp: f32 = clamp(0.5 + 4.0 * side, 0.5, 1.0);
-reached = clamp(samples - f32(i), 0.0, 1.0) * max(ratio, sharp);
-density = 1.0;
+return clamp(max(0.5 + 4.0 * ratio, -ratio), 0.5, 1.0);
 }
-let weight: f32 = reached * density;
-return vec3f(weight, reached, weight * clamp(4.0 * side - 3.0, 0.0, 1.0));
+fn BokehFarRayWeight(ratio: f32, samples: f32, i: i32) -> vec3f
+{
+let part: f32 = min(abs(ratio), 1.0);
+let reached: f32 = clamp(part * samples - f32(i), 0.0, 1.0);
+let weight: f32 = reached / max(part, 0.25);
+return vec3f(weight, reached, weight * clamp(4.0 * ratio - 3.0, 0.0, 1.0));
 }
 struct BokehLine
 {
@@ -424,6 +420,7 @@ let phase: f32 = 0.5 + settings.jitter * clamp(lengthInPixels / samples - 1.0, 0
 let scale: vec2f = vec2f(CoC / settings.aspectRatio, CoC);
 let first: vec2f = uv + (segment.xy - segment.zw) * scale;
 let sampleStep: vec2f = segment.zw * scale * (2.0 / samples);
+let inverseCoC: f32 = 1.0 / centerCoC;
 var surface: vec4f = vec4f(0.0, 0.0, 0.0, 0.0);
 for (var i: i32 = 0; i < BOKEH_NUM_SAMPLES; i++)
 {
@@ -436,10 +433,18 @@ let samplePixel: vec4f = BokehFetch(tex, first + sampleStep * (f32(i) + part * p
 BokehLinearClamp);
 if (rays)
 {
-let weights: vec3f = BokehRayWeight(samplePixel.a, centerCoC, samples, i);
+let ratio: f32 = samplePixel.a * inverseCoC;
+if (centerCoC < 0.0)
+{
+sum += vec4f(samplePixel.rgb, 1.0) * (part * BokehNearRayWeight(ratio));
+}
+else
+{
+let weights: vec3f = BokehFarRayWeight(ratio, samples, i);
 sum += vec4f(samplePixel.rgb, 1.0) * weights.x;
 reached += (samplePixel.r + samplePixel.g + samplePixel.b) * weights.y;
 surface += vec4f(samplePixel.rgb, 1.0) * weights.z;
+}
 }
 else
 {
@@ -474,7 +479,7 @@ let sum: vec4f = L1.sum * weights.x + L2.sum * weights.y + L3.sum * weights.z + 
 weights.w;
 var result: vec4f = BokehResolved(sum, centerPixel);
 let gathered: f32 = sum.r + sum.g + sum.b;
-if (rays && gathered > 0.0)
+if (rays && centerPixel.a > 0.0 && gathered > 0.0)
 {
 let reached: f32 = dot(vec4f(L1.reached, L2.reached, L3.reached, L4.reached), weights);
 result = vec4f(result.rgb, result.a * min(reached / gathered * 1.001, 1.0));
@@ -1506,10 +1511,17 @@ fn BokehSpreadInverse(CoC: vec2f) -> vec2f
 let inverse: vec2f = 1.0 / max(CoC * CoC, vec2f(0.000001, 0.000001));
 return inverse * (inverse * 9.6 + 4.0);
 }
-fn BokehRingBorder(ring: i32, radius: f32, spacing: f32, narrowing: f32) -> f32
+struct BokehRingLayout
 {
-let even: f32 = spacing * (f32(ring) + 0.5);
-return max(even + even * (even / radius - 1.0) * narrowing, min(even, f32(ring) + 0.5));
+radius: f32,
+spacing: f32,
+narrowing: f32,
+}
+fn BokehRingBorder(ring: i32, rings: BokehRingLayout) -> f32
+{
+let even: f32 = rings.spacing * (f32(ring) + 0.5);
+return max(even + even * (even / rings.radius - 1.0) * rings.narrowing, min(even, f32(ring) +
+0.5));
 }
 struct BokehGather
 {
@@ -1571,16 +1583,29 @@ var covers: vec2f = cell * max(min(1.0 - innerSquare * inverse, area * inverse),
 let inFar: vec2f = covers * clamp(CoC * gather.slopes.y - 2.0, zero, one);
 covers = covers * (1.0 - clamp(CoC * -gather.slopes.x - 2.0, zero, one)) - inFar;
 gather.farFound += inFar.x + inFar.y;
-let part: vec4f = vec4f(pixel.rgb, 1.0) * covers.x;
-let otherPart: vec4f = vec4f(other.rgb, 1.0) * covers.y;
-gather.sum += part + otherPart;
-let isFront: vec2f = clamp(gather.s - 0.5 - CoC, zero, one);
-gather.front += part * isFront.x + otherPart * isFront.y;
+gather.sum += vec4f(pixel.rgb, 1.0) * covers.x;
+gather.sum += vec4f(other.rgb, 1.0) * covers.y;
+let inFront: vec2f = covers * clamp(gather.s - 0.5 - CoC, zero, one);
+gather.front += vec4f(pixel.rgb, 1.0) * inFront.x;
+gather.front += vec4f(other.rgb, 1.0) * inFront.y;
 }
 corner += alongEdge;
 direction = BokehRotated(direction, turn);
 }
 gather.inner = outer;
+return gather;
+}
+fn BokehGatherTo(before: BokehGather, MapSamp: texture_2d<f32>, ring: i32, density: i32, end: f32,
+rings: BokehRingLayout, polygon: BokehPolygon, layers: BokehLayerContext,
+BokehLinearClamp: sampler) -> BokehGather
+{
+var gather: BokehGather = before;
+let outer: f32 = min(BokehRingBorder(ring, rings), end);
+if (ring <= BOKEH_LAYER_RINGS + 1 && gather.inner < outer)
+{
+gather = BokehGatherRing(gather, MapSamp, ring, BokehSamplesPerEdge(min(density,
+BOKEH_LAYER_RINGS), polygon), outer, polygon, layers, BokehLinearClamp);
+}
 return gather;
 }
 fn BokehComposite(MapSamp: texture_2d<f32>, GatherTilesSamp: texture_2d<f32>,
@@ -1594,7 +1619,14 @@ let centerPixel: vec4f = BokehFetchTexel(MapSamp, BokehToTexture(layers.uv));
 let tile: vec4f = BokehFetchGrid(GatherTilesSamp, center / 8.0, BokehReducedGrid(layers, 8.0),
 BokehLinearClamp);
 var result: vec3f = centerPixel.rgb;
-if (max(tile.r, tile.g) > 1.0)
+let halves: BokehGrid = BokehReducedGrid(layers, 2.0);
+var nearLayer: vec4f = vec4f(0.0, 0.0, 0.0, 0.0);
+if (BOKEH_SIDES > 0 && tile.r > 6.0)
+{
+nearLayer = BokehFetchLayer(NearSamp, 0.5 * center, halves, BokehLinearClamp);
+}
+let fullAlpha: f32 = 1.002;
+if (max(tile.r, tile.g) > 1.0 && nearLayer.a * fullAlpha < 1.0)
 {
 var gather: BokehGather;
 let s: f32 = centerPixel.a * full.size.y;
@@ -1607,7 +1639,9 @@ gather.inverse = BokehSpreadInverse(vec2f(s, s)).x;
 let restRadius: f32 = clamp(16.0 - 16.0 * farWeight, 0.0, 1.0) * (1.0 - nearWeight) /
 sqrt(gather.inverse);
 let radius: f32 = max(max(restRadius, 0.01), 0.5 * max(tile.b, tile.a * farWeight));
-let narrowing: f32 = clamp(radius / max(restRadius, 1.0) - 1.0, 0.0, 1.0);
+var ringLayout: BokehRingLayout;
+ringLayout.radius = radius;
+ringLayout.narrowing = clamp(radius / max(restRadius, 1.0) - 1.0, 0.0, 1.0);
 var denseRings: f32 = f32(BOKEH_LAYER_RINGS);
 if (max(tile.g, tile.r + 4.0) <= 14.0 - 4.0 * f32(BOKEH_LAYER_CUBIC))
 {
@@ -1618,8 +1652,8 @@ if (max(nearWeight, farWeight * tile.r * f32(BOKEH_LAYER_RINGS - 1)) <= 0.0)
 {
 rings = max(rings, min(radius / 3.0, f32(BOKEH_LAYER_RINGS) + 1.0));
 }
-let spacing: f32 = max(min(radius / 1.499, 1.0), radius / (rings + 0.499));
-gather.inner = BokehRingBorder(0, radius, spacing, narrowing);
+ringLayout.spacing = max(min(radius / 1.499, 1.0), radius / (rings + 0.499));
+gather.inner = BokehRingBorder(0, ringLayout);
 if (radius < 0.5)
 {
 gather.inner = radius;
@@ -1635,58 +1669,49 @@ gather.snapping = 3.75 * clamp(edges / 5.0, 0.0, 1.0) + 100.0 * clamp((edges - 1
 var lastInner: f32 = radius;
 if (rings > denseRings)
 {
-lastInner = min(BokehRingBorder(BOKEH_LAYER_RINGS, radius, spacing, narrowing), radius);
+lastInner = min(BokehRingBorder(BOKEH_LAYER_RINGS, ringLayout), radius);
 }
-var end: f32 = radius;
-var first: i32 = 1;
 if (BOKEH_SIDES > 0)
 {
-var denseInner: f32 = gather.inner;
-for (var sparse: i32 = 0; sparse < 2; sparse++)
-{
-var ring: i32 = 1 + sparse * BOKEH_LAYER_RINGS;
-if (sparse > 0)
-{
-denseInner = gather.inner;
+gather = BokehGatherTo(gather, MapSamp, 1, 1, lastInner, ringLayout, polygon,
+layers, BokehLinearClamp);
+gather = BokehGatherTo(gather, MapSamp, 2, 2, lastInner, ringLayout, polygon,
+layers, BokehLinearClamp);
+gather = BokehGatherTo(gather, MapSamp, 3, 3, lastInner, ringLayout, polygon,
+layers, BokehLinearClamp);
+gather = BokehGatherTo(gather, MapSamp, 4, 4, lastInner, ringLayout, polygon,
+layers, BokehLinearClamp);
+gather = BokehGatherTo(gather, MapSamp, 5, 5, lastInner, ringLayout, polygon,
+layers, BokehLinearClamp);
 gather.inner = lastInner;
+gather = BokehGatherTo(gather, MapSamp, BOKEH_LAYER_RINGS + 1, 1, radius, ringLayout,
+polygon, layers, BokehLinearClamp);
 }
+else
+{
+for (var ring: i32 = 1; ring <= BOKEH_LAYER_RINGS + 1; ring++)
+{
 if (gather.inner >= radius)
 {
 break;
 }
-let outer: f32 = min(BokehRingBorder(ring, radius, spacing, narrowing), radius);
-gather = BokehGatherRing(gather, MapSamp, ring, BokehSamplesPerEdge(1, polygon),
-outer, polygon, layers, BokehLinearClamp);
-}
-gather.inner = denseInner;
-end = lastInner;
-first = 2;
-}
-for (var ring: i32 = first; ring <= BOKEH_LAYER_RINGS + 1; ring++)
-{
-if (gather.inner >= end)
-{
-break;
-}
-let outer: f32 = min(BokehRingBorder(ring, radius, spacing, narrowing), end);
-var density: i32 = BOKEH_LAYER_RINGS;
-if (first < BOKEH_LAYER_RINGS)
-{
-density = min(ring, BOKEH_LAYER_RINGS);
-}
-if (first < 2 && f32(ring) > denseRings)
+var density: i32 = min(ring, BOKEH_LAYER_RINGS);
+if (f32(ring) > denseRings)
 {
 density = 1;
 }
-gather = BokehGatherRing(gather, MapSamp, ring, BokehSamplesPerEdge(density, polygon),
-outer, polygon, layers, BokehLinearClamp);
+let outer: f32 = min(BokehRingBorder(ring, ringLayout), radius);
+gather = BokehGatherRing(gather, MapSamp, ring, BokehSamplesPerEdge(density,
+polygon), outer, polygon, layers, BokehLinearClamp);
 }
-var nearLayer: vec4f = vec4f(0.0, 0.0, 0.0, 0.0);
+}
 var farLayer: vec4f = vec4f(0.0, 0.0, 0.0, 0.0);
 if (max(tile.r, tile.g - 4.0) > 6.0)
 {
-let halves: BokehGrid = BokehReducedGrid(layers, 2.0);
+if (BOKEH_SIDES == 0)
+{
 nearLayer = BokehFetchLayer(NearSamp, 0.5 * center, halves, BokehLinearClamp);
+}
 farLayer = BokehFetchLayer(FarSamp, 0.5 * center, halves, BokehLinearClamp);
 }
 let quarters: BokehGrid = BokehReducedGrid(layers, 4.0);
@@ -1722,9 +1747,9 @@ let stack: vec3f = (sum.rgb + midFill.rgb * cover + farColor * (empty - cover)) 
 max(sum.a + empty, 0.000001);
 result += (stack - result) * nearWeight;
 }
-let alpha: f32 = clamp(nearLayer.a * 1.002, 0.0, 1.0);
-result = result * (1.0 - alpha) + nearLayer.rgb * (alpha / max(nearLayer.a, 0.000001));
 }
+let alpha: f32 = clamp(nearLayer.a * fullAlpha, 0.0, 1.0);
+result = result * (1.0 - alpha) + nearLayer.rgb * (alpha / max(nearLayer.a, 0.000001));
 return vec4f(result, centerPixel.a);
 }
 fn BokehUpdatePolygon(polygon: BokehPolygon) -> BokehPolygon
