@@ -1,9 +1,9 @@
 """Run the GLSL of a pass on intervals: the value of each target, and how far off a correct device may be.
 
-All pixels run every branch that any of them takes, and every iteration of a loop. If devices may take different
-branches, a pixel's variables become the interval around both outcomes; likewise if it may have left a loop. Constants
-are plain Python numbers, computed as the compiler does; values from uniforms are Intervals. A struct is a dictionary
-of its members.
+All pixels run every branch that any of them takes, and every iteration of a loop, unless few enough take it to run it
+for them alone. If devices may take different branches, a pixel's variables become the interval around both outcomes;
+likewise if it may have left a loop. Constants are plain Python numbers, computed as the compiler does; values from
+uniforms are Intervals. A struct is a dictionary of its members.
 
 Two cases use more than the operations alone:
 
@@ -12,7 +12,7 @@ Two cases use more than the operations alone:
   * BokehRotated: the error of a direction is a disc, which a rotation does not enlarge.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cache
 from itertools import product
@@ -23,7 +23,7 @@ from pycparser import c_ast
 from bokeh_validation.numerics.precision import FLOAT_STEP
 from bokeh_validation.reference.builtin import FUNCTIONS, OPERATORS
 from bokeh_validation.reference.glsl import Library
-from bokeh_validation.reference.intervals import Condition, Interval, chosen
+from bokeh_validation.reference.intervals import Condition, Interval, chosen, picked, put_back
 
 COMPONENTS = {letter: place for letters in ("xyzw", "rgba") for place, letter in enumerate(letters)}
 # functions that read a texture -> the method that does it
@@ -32,6 +32,9 @@ FETCHES = {"BokehFetchTexture": "linear", "BokehFetchTexel": "nearest", "BokehFe
 LEAKAGE = ("BokehLeakageWeight", "BokehSignedLeakageWeight")
 # calls to skip: the image fills its textures here, so there is no viewport to set
 SET_UP = ("BokehUseViewport", "BokehSetViewport")
+
+# A branch or a loop runs for its own pixels only if that leaves out this many, and at least a quarter of all
+FEW = 1024
 
 Variables = dict[str, object]
 
@@ -225,18 +228,55 @@ class _Call:
         """Return all variables after a branch, run for the pixels `where`."""
         branch_variables, reached = dict(variables), self.here
         self.here = reached & where
-        if node is not None and self.here.any():
+        if node is not None and self.are_few():
+            self.alone(lambda few, few_variables: few.visit(node, few_variables), branch_variables)
+        elif node is not None and self.here.any():
             self.visit(node, branch_variables)
         self.here = reached
         return branch_variables
 
+    def are_few(self) -> bool:
+        """Return whether so few pixels reach the current statement that it is quicker to run it for them alone."""
+        live = np.count_nonzero(self.here)
+        return 0 < live <= min(len(self.here) * 3 // 4, len(self.here) - FEW)
+
+    def alone(self, follow: Callable[["_Call", Variables], None], variables: Variables) -> None:
+        """Run something for the pixels that reach the current statement only, and update the variables.
+
+        follow  takes a call with only these pixels, and their variables
+        """
+        places, count = np.flatnonzero(self.here), len(self.here)
+        given = {name: picked(number, places, count) for name, number in self.run.given.items()}
+        run = Run(self.run.library, given, self.run.textures, self.run.line, len(places))
+        few = _Call(run, np.ones(len(places), bool), self.name)
+        if self.loop:
+            few.loop = _Loop(self.loop.value[places])
+        before = {name: picked(number, places, count) for name, number in variables.items()}
+        after = dict(before)
+        follow(few, after)
+        self.run.undecided[places] |= run.undecided
+        for name in variables:
+            if after[name] is not before[name]:
+                variables[name] = put_back(after[name], variables[name], places, count)
+
     def _For(self, node: c_ast.For, variables: Variables) -> None:
         names_before, outer_loop, reached = set(variables), self.loop, self.here
-        loop = self.loop = _Loop(np.ones_like(reached))
+        self.loop = _Loop(np.ones_like(reached))
         self.visit(node.init, variables)
+        self.iterate(node, variables)
+        self.loop, self.here = outer_loop, reached
+        for name in set(variables) - names_before:
+            del variables[name]
+
+    def iterate(self, node: c_ast.For, variables: Variables) -> None:
+        """Run a loop from its condition on until all pixels have left it."""
+        loop = self.loop
         while (going := self.value(node.cond, variables)) is not False:
             if going is not True:
                 self.leave(~going, variables)
+            if self.are_few():
+                self.alone(lambda few, few_variables: few.iterate(node, few_variables), variables)
+                break
             if not self.here.any():
                 break
             self.visit(node.stmt, variables)
@@ -245,9 +285,6 @@ class _Call:
             self.value(node.next, variables)
         for where, left_with in reversed(loop.exits):
             variables |= {name: chosen(where, value, variables[name]) for name, value in left_with.items()}
-        self.loop, self.here = outer_loop, reached
-        for name in set(variables) - names_before:
-            del variables[name]
 
     def leave(self, where: Condition, variables: Variables) -> None:
         """Make the pixels for which a condition holds leave the loop."""

@@ -13,6 +13,7 @@ operands are ignored, which makes intervals wider than necessary but never narro
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import reduce
 
 import numpy as np
 
@@ -132,8 +133,13 @@ def _rounded(value, low, high, both_exact: bool, share: float = OPERATION) -> In
 
 
 def _product(a: Interval, b: Interval) -> tuple[np.ndarray, np.ndarray]:
-    products = a.low * b.low, a.low * b.high, a.high * b.low, a.high * b.high
-    low, high = np.minimum.reduce(products), np.maximum.reduce(products)
+    # of an exact number both limits are the same array
+    products = [
+        low * high
+        for low in ((a.low,) if a.is_exact else (a.low, a.high))
+        for high in ((b.low,) if b.is_exact else (b.low, b.high))
+    ]
+    low, high = reduce(np.minimum, products), reduce(np.maximum, products)
     if not np.isfinite(low.sum() + high.sum()):
         # 0 times an unbounded interval is 0: a weight of 0 has no effect
         is_zero = ((a.low == 0.0) & (a.high == 0.0)) | ((b.low == 0.0) & (b.high == 0.0))
@@ -222,3 +228,50 @@ def chosen(where: Condition, yes, no):
         fields[1] = np.where(is_open, np.maximum(yes.high, no.high), fields[1])
     value = np.where(where.value, yes.value, no.value)
     return Interval(value) if yes.is_exact and no.is_exact and not is_open.any() else Interval(value, *fields)
+
+
+def picked(number, places: np.ndarray, count: int):
+    """Return a variable of `count` pixels for those at `places` only; what is the same for all pixels is returned as it
+    is.
+    """
+    if isinstance(number, dict):
+        return {name: picked(member, places, count) for name, member in number.items()}
+    if isinstance(number, Condition):
+        fields = (number.value, number.sure, number.possible)
+        return number if len(number.value) < count else Condition(*(field[places] for field in fields))
+    if not isinstance(number, Interval) or number.value.shape[-1] < count:
+        return number
+    fields = (number.value,) if number.is_exact else (number.value, number.low, number.high)
+    turned = number.turned
+    chosen_pixels = Interval(*(field[..., places] for field in fields))
+    chosen_pixels.turned = turned if turned is None or len(turned) < count else turned[places]
+    return chosen_pixels
+
+
+def put_back(number, before, places: np.ndarray, count: int):
+    """Return a variable of `count` pixels from one for those at `places`; the others keep what was there before, or
+    are 0.
+    """
+    if isinstance(number, dict):
+        before = before if isinstance(before, dict) else {}
+        return {name: put_back(member, before.get(name), places, count) for name, member in number.items()}
+    if isinstance(number, Condition):
+        fields = (number.value, number.sure, number.possible)
+        return Condition(*(_put(field, None, places, count) for field in fields))
+    if not isinstance(number, Interval) or number.value.shape[-1] == 1:
+        return number
+    before = before if isinstance(before, Interval) else Interval(np.zeros((1,) * number.value.ndim))
+    names = ("value",) if number.is_exact and before.is_exact else ("value", "low", "high")
+    whole = Interval(*(_put(getattr(number, name), getattr(before, name), places, count) for name in names))
+    if number.turned is not None:
+        whole.turned = _put(number.turned, None, places, count)
+    return whole
+
+
+def _put(values: np.ndarray, before: np.ndarray | None, places: np.ndarray, count: int) -> np.ndarray:
+    if values.shape[-1] == 1:
+        return values
+    whole = np.empty((*values.shape[:-1], count), values.dtype)
+    whole[...] = 0 if before is None else before
+    whole[..., places] = values
+    return whole
