@@ -22,6 +22,19 @@ def test_units():
     assert starts == {"a.py::0", "a.py::2", "b.py::0", "c.py::0", "c.py::1", "d.py::0", "d.py::20"}
 
 
+def test_units_of_a_first_run():
+    """Check that without a recorded duration each sample is a unit of its own, Bevy's with the tests of its crate, and
+    that every assumed duration is that of a test.
+    """
+    file = "tests/engines/test_engines.py"
+    names = ["test_sample[love]", "test_sample[bevy]", "test_bevy_dependency[git]", "test_wgpu_crate"]
+    found = schedule.units([f"{file}::{name}" for name in names], {})
+    assert list(found.values()) == [f"{file}::{names[place]}" for place in (0, 1, 1, 3)]
+    for beginning in schedule.FIRST_TIME:
+        file, _, name = beginning.partition("::")
+        assert f"def {name.partition('[')[0]}(" in (paths.VALIDATION / file).read_text(encoding="utf-8"), beginning
+
+
 def test_longest_first(pytester):
     """Check that the test that took longest last time starts first."""
     pytester.makeconftest(CONFTEST)
