@@ -8,13 +8,21 @@ from bokeh_validation.compilers.tool import CompileResult, accepted, refused
 from bokeh_validation.drivers.gl import OSMesa
 from bokeh_validation.process import once
 
+NO_CACHE = "MESA_SHADER_CACHE_DISABLE"
+
 
 @once
 def driver() -> OSMesa:
     """Return an OSMesa driver. Raises Unavailable."""
-    # Mesa skips compiling what is in its shader cache, so that is disabled
-    os.environ.setdefault("MESA_SHADER_CACHE_DISABLE", "true")
-    return OSMesa()
+    # Mesa skips compiling what is in its shader cache, so that is disabled, but only for this driver: the drivers that
+    # this process creates later, and the programs that it starts, draw ten times sooner with the cache
+    if NO_CACHE in os.environ:
+        return OSMesa()
+    os.environ[NO_CACHE] = "true"
+    try:
+        return OSMesa()
+    finally:
+        del os.environ[NO_CACHE]
 
 
 def version() -> str:
