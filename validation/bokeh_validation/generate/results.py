@@ -52,6 +52,25 @@ def peer_times() -> Table:
     ]
 
 
+def gpu_times() -> tuple[Table, Table]:
+    """Return the milliseconds on a GPU from gpu_times.json, which a bench folder's script wrote: of whole frames at
+    each size, and of the passes of `layered` at the largest size.
+    """
+    sizes = data("gpu_times")["sizes"]
+    keys = list(next(iter(sizes.values()))["frames"])
+    whole = [["method", "preset", *(size.replace("x", " x ") for size in sizes)]]
+    for key in keys:
+        method, _, preset = key.partition(" ")
+        shown = [f"`{method}`, all in focus", "MEDIUM"] if preset == "in focus" else [f"`{method}`", preset.upper()]
+        whole.append([*shown, *(f"{size['frames'][key][0][1]:.2f}" for size in sizes.values())])
+    frames = list(sizes.values())[-1]["frames"]
+    layered = [key for key in keys if key.startswith("layered ")]
+    passes = [["pass", *(key.removeprefix("layered ") for key in layered)]]
+    for rows in zip(*(frames[key] for key in layered), strict=True):
+        passes.append([rows[0][0].removeprefix("Bokeh"), *(f"{row[1]:.2f}" for row in rows)])
+    return whole, passes
+
+
 def tables() -> dict[str, dict[str, Table]]:
     """Return page -> name of a table -> its rows with the header first, for all tables of measured numbers."""
     measured = {}
@@ -70,6 +89,7 @@ def tables() -> dict[str, dict[str, Table]]:
     flips = [[*row, f"{flip_means()[row[0]]:.4f}"] for row in measured["ray-traced scenes, FLIP"][1:]]
     flips.sort(key=lambda row: float(row[-1]))
     pages["cost.md"]["times of other effects"] = peer_times()
+    pages["cost.md"]["times on a GPU"], pages["cost.md"]["passes on a GPU"] = gpu_times()
     comparison = [["method", *SCENES, "mean"], *flips]
     ratios = [[label, ratio] for label, _, ratio, *_ in peer_times()]
     return {"results.md": {"comparison": comparison, "times of other effects": ratios}, **pages}
