@@ -30,8 +30,8 @@
 //              gl_Position = vec4(uv * 2.0 - 1.0, 0.0, 1.0);
 //          }
 //
-//   1. CoC map. ColorSamp: HDR colour. DepthSamp: the depth buffer, nearest filter; the 1 selects
-//      standard depth: 0 at the near plane, 1 at the far plane. Target: RGBA16F.
+//   1. CoC map. ColorSamp: HDR colour. DepthSamp: the depth buffer, nearest filter; the argument 1
+//      selects standard depth: 0 at the near plane, 1 at the far plane. Target: RGBA16F.
 //          uniform sampler2D ColorSamp, DepthSamp;
 //          uniform vec2 imageSize;
 //          uniform float nearPlane, farPlane;
@@ -45,7 +45,7 @@
 //                  1, vec2(nearPlane, farPlane));
 //          }
 //
-//   2. First pass. MapSamp: from 1, linear filter, clamp. Targets: two RGBA16F.
+//   2. First blur pass. MapSamp: from 1, linear filter, clamp. Targets: two RGBA16F.
 //          uniform sampler2D MapSamp;
 //          uniform vec2 imageSize;
 //          uniform float rotation;
@@ -60,7 +60,7 @@
 //              strip3 = targets.strip3;
 //          }
 //
-//   3. Second pass. Strip2Samp, Strip3Samp: from 2, linear filter, clamp. Target: RGBA16F.
+//   3. Second blur pass. Strip2Samp, Strip3Samp: from 2, linear filter, clamp. Target: RGBA16F.
 //          uniform sampler2D Strip2Samp, Strip3Samp;
 //          uniform vec2 imageSize;
 //          uniform float rotation;

@@ -42,7 +42,7 @@
 // [11] layers
 //
 //   name                    default    range   meaning
-//   BOKEH_LAYER_RINGS       2          1 .. 6  rings of the small gather at full size; it takes one
+//   BOKEH_LAYER_RINGS       2          1 .. 4  rings of the small gather at full size; it takes one
 //                                              more where no layer is in reach (with CUBIC 0, where
 //                                              layers are small), and where it reaches far
 //   BOKEH_LAYER_SAMPLES     11         2 ..    most samples on an edge of a layer's hexagon; twice
@@ -215,16 +215,17 @@ float BokehLayerSlope(float largest, float startCoC, float fullCoC)
 }
 
 // Layers: returns the slope of the near layer, which appears from 6 to 12 pixels
-//   Lower or higher, edges of small blurs get worse.
-//   Over 60 pixels the slope stays, so that no pixel of more than 36 is left to the gather, whose
-//   few samples would show.
+//   With lower or higher limits, the edges of small blurs get worse.
+//   Above 60 pixels the slope stays constant, so that no pixel with a CoC above 36 is left to the
+//   gather, whose few samples would show.
 float BokehNearSlope(float largest)
 {
     return BokehLayerSlope(min(largest, 60.0), 6.0, 12.0);
 }
 
 // Layers: returns the slope of the far layer, which appears from 10 to 16 pixels
-//   Lower, the half resolution shows; higher, the gather has to reach farther.
+//   With lower limits, the half resolution shows; with higher ones, the gather has to reach
+//   farther.
 float BokehFarSlope(float largest)
 {
     return BokehLayerSlope(largest, 10.0, 16.0);
@@ -234,7 +235,7 @@ float BokehFarSlope(float largest)
 //   largest CoC that reaches it
 //
 //      1 |          ____
-//        |         /         Ramp lower: pixels half as near are blurred like the nearest.
+//        |         /         Ramp lower: half the largest CoC is blurred like the largest.
 //      0 |________/          Ramp higher: more is left to the gather, which is grainy.
 //        0       .4 .6   1   CoC / largest
 //   CoC           pixels: -s for the near layer, s for the far one
@@ -285,7 +286,7 @@ float BokehReachTiles(BokehLayerContext layers)
 
 // Layers: finds the largest near and far CoC among the tiles whose blur reaches this tile
 //   Reads tiles, then its own target: it runs twice, along rows and along columns. Writes
-//   dilatedTiles, from which every later pass knows whether a layer can be here.
+//   dilatedTiles, from which later passes know whether a layer can be here.
 //
 //      . . K . .   -->  K K K K K      if a CoC of K reaches two tiles in each direction
 //   axis          (1, 0), then (0, 1)
@@ -314,9 +315,9 @@ vec4 BokehTileDilate(BOKEH_TEXTURE TilesSamp, vec2 axis, BokehLayerContext layer
 //   more
 //   A lamp thus gets a polygon of its own size, even among many dark pixels with another CoC.
 //   inverseBrightness  1 / mean brightness of the tiles around
-//   maxWeight     at most 10000; times the largest CoC / 8 it has to fit into a half float. The
-//                 smallest sum that BokehLayerCoCColumns accepts as a layer, 0.0001 times 6 pixels,
-//                 is then no subnormal half, which some GPUs flush to 0.
+//   maxWeight     at most 10000: this times the largest CoC / 8 must fit into a half float.
+//                 BokehLayerCoCColumns accepts a weight down to 0.0001 with a CoC down to 6 pixels,
+//                 and such a sum is still a normal half float; some GPUs flush subnormal ones to 0.
 vec4 BokehBlurWeights(vec4 a, vec4 b, vec4 c, vec4 d, float inverseBrightness, float maxWeight)
 {
     vec4 brightest = vec4(BokehBrightest(a.rgb), BokehBrightest(b.rgb), BokehBrightest(c.rgb),
@@ -346,7 +347,7 @@ vec4 BokehLayerWeights(vec4 CoC, float slope)
 // Layers: collects what is around a near edge: the darkest near colour, the brightest behind it
 //   found         of the pixels so far
 //   pixel         one more
-//   nearWeight    its layer weight; from half of maxNearWeight it is near
+//   nearWeight    its layer weight; the pixel counts as near from half of maxNearWeight on
 //   returns       rgb = darkest near colour, a = brightness of the brightest pixel behind
 vec4 BokehSurroundings(vec4 found, vec4 pixel, float nearWeight, float maxNearWeight)
 {
@@ -379,10 +380,10 @@ vec4 BokehNearPixel(vec4 pixel, float nearWeight, vec4 around)
 }
 
 // Layers: sorts the pixels into a near and a far layer at half size
-//   Reads the CoC map and dilatedTiles. Writes both layers, and two sums for the passes after it:
-//   layerCoCSums, from which the CoC of each layer follows, and gatherCoC, which says how far the
-//   gather has to reach. Antialiased pixels of near edges hold light of what is behind; if that is
-//   bright, it is removed first, or it would be blurred into a false rim.
+//   Reads the CoC map and dilatedTiles. Writes both layers, and two targets for the passes after
+//   it: layerCoCSums, from which the CoC of each layer follows, and gatherCoC, which says how far
+//   the gather has to reach. Antialiased pixels of near edges hold light of what is behind; if that
+//   is bright, it is removed first, or it would be blurred into a false rim.
 BokehPrefiltered BokehPrefilter(BOKEH_TEXTURE MapSamp, BOKEH_TEXTURE DilatedTilesSamp,
     BokehLayerContext layers)
 {
@@ -525,7 +526,8 @@ BokehTileSums BokehLayerCoCAlong(BOKEH_TEXTURE GatherCoCSamp, BOKEH_TEXTURE Sums
 
 // Layers: combines gatherCoC and sums of the tiles around, along rows
 //   Reads what BokehLayerCoCReduce wrote, and dilatedTiles. Writes the largest gatherCoC that
-//   reaches each tile, and a mean of the sums by a Gaussian as wide as the CoC in reach.
+//   reaches each tile, and a mean of the sums by a Gaussian with a standard deviation of 0.3 of the
+//   CoC in reach.
 BokehTileSums BokehLayerCoCRows(BOKEH_TEXTURE GatherCoCSamp, BOKEH_TEXTURE SumsSamp,
     BOKEH_TEXTURE DilatedTilesSamp, BokehLayerContext layers)
 {
@@ -581,13 +583,14 @@ vec2 BokehLayerCoC(BOKEH_TEXTURE LayerCoCSamp, BokehLayerContext layers)
 
 // Layers: says how a layer is blurred at one point
 //   CoC           texels of the half size; 0.5 if there is no layer or nothing to do (compare with
-//                 0.51, since a GPU's root of 0.25 may be a little more)
+//                 0.51: on a GPU, sqrt(0.25) may come out slightly above 0.5)
 //   spacing       between samples on an edge, texels, at least 1; an edge of a hexagon has at most
 //                 BOKEH_LAYER_SAMPLES samples
 //   useQuarterLayer  true: the first pass reads the layer at quarter size, because samples are too
 //                 far apart for the half size
-//   sideTap       weight of the texels beside the middle one in the quarter-size filter, which then
-//                 has a zero near 1 / spacing; more makes edges soft, less leaves dots
+//   sideTap       weight of the texels beside the middle one in the quarter-size filter, chosen so
+//                 that the filter removes detail of the size of the spacing; more makes edges soft,
+//                 less leaves dots
 struct BokehBlur
 {
     float CoC;
@@ -635,7 +638,8 @@ BokehBlur BokehLayerBlur(vec2 layerCoC, bool isFar, BokehPolygon polygon)
     return blur;
 }
 
-// Layers: samples a layer for its copy at quarter size, as smooth as samples are apart
+// Layers: samples a layer for its copy at quarter size, smoothed over about the distance between
+//   two samples of the blur
 //   center        texels of the half size
 //   side          sideTap of BokehBlur
 vec4 BokehQuarterLayer(BOKEH_TEXTURE LayerSamp, vec2 center, float side, BokehLayerContext layers)
@@ -735,8 +739,8 @@ int BokehSamplesPerEdge(int ring, BokehPolygon polygon)
     return int(max(6.0 * float(ring) / float(polygon.sides) + 0.5, 1.0));
 }
 
-// Layers: returns the weights of middle and far as BokehDownsample had them before brightness
-//   w (1 + brightness / mean) = the weight without brightness.
+// Layers: returns the weights of middle and far that BokehDownsample had before it divided by
+//   1 + brightness / mean
 vec2 BokehHoleWeights(vec4 middle, vec4 far, float inverseBrightness)
 {
     return vec2(middle.a + BokehBrightest(middle.rgb) * inverseBrightness, far.a +
@@ -826,7 +830,8 @@ BokehFilled BokehHoleFill(BOKEH_TEXTURE MidSamp, BOKEH_TEXTURE FarSamp,
 //   The parallelograms of [5], without weights and without a leakage test, because a layer holds
 //   nothing that must not spread. All four channels are blurred, so alpha becomes the coverage.
 
-// Layers: averages the samples along edge k; in the second pass times its parallelograms' area
+// Layers: averages the samples along edge k, and in the second pass multiplies the mean by the area
+//   of the edge's parallelograms
 //   tex           the layer, or a strip
 //   QuarterSamp   the layer at quarter size, read if useQuarterLayer of blur is true
 //   blur          from BokehLayerBlur
@@ -961,7 +966,7 @@ vec4 BokehLayerSecond(BOKEH_TEXTURE Strip2Samp, BOKEH_TEXTURE Strip3Samp, BOKEH_
     return result;
 }
 
-// Layers: holds what BokehLayersFirst writes; only a hexagon uses those of edge 3
+// Layers: holds what BokehLayersFirst writes; only a hexagon uses the two strips 3
 struct BokehLayersTargets
 {
     vec4 nearStrip2;
@@ -996,7 +1001,7 @@ struct BokehBlurred
 };
 
 // Layers: blurs both layers of a square or a hexagon, second pass
-//   For a square pass any textures as strips 3: they are not read.
+//   For a square, pass any textures as strips 3: they are not read.
 BokehBlurred BokehLayersSecond(BOKEH_TEXTURE NearStrip2Samp, BOKEH_TEXTURE FarStrip2Samp,
     BOKEH_TEXTURE NearStrip3Samp, BOKEH_TEXTURE FarStrip3Samp, vec2 layerCoC, BokehPolygon polygon,
     BokehLayerContext layers)
@@ -1063,7 +1068,8 @@ vec2 BokehSpreadInverse(vec2 CoC)
 // Layers: describes how the gather of a pixel is divided into rings
 //   radius        of the gather, pixels
 //   spacing       between rings, pixels
-//   narrowing     0: evenly spaced; 1: closer to the centre, but never closer than a pixel
+//   narrowing     0: rings evenly spaced; 1: denser towards the centre, but never less than a pixel
+//                 apart
 struct BokehRingLayout
 {
     float radius;
@@ -1087,7 +1093,8 @@ float BokehRingBorder(int ring, BokehRingLayout rings)
 //                 weight
 //   slopes        of the near and the far layer
 //   snapping      0: linear filter, 100: nearest texel
-//   bounds        limits of a sample's 1 / radius^2: of the gather's radius, of the inner disc
+//   bounds        lower and upper limit of a sample's 1 / radius^2: the values for the gather's
+//                 radius and for the inner disc
 //   inner         where the next ring begins, pixels
 struct BokehGather
 {
@@ -1177,7 +1184,7 @@ BokehGather BokehGatherRing(BokehGather before, BOKEH_TEXTURE MapSamp, int ring,
 }
 
 // Layers: gathers one more ring, if there is one between the gather so far and its end
-//   density       number of the ring that has the number of samples to take
+//   density       take as many samples as the ring of this number has
 //   end           pixels
 BokehGather BokehGatherTo(BokehGather before, BOKEH_TEXTURE MapSamp, int ring, int density,
     float end, BokehRingLayout rings, BokehPolygon polygon, BokehLayerContext layers)
@@ -1297,7 +1304,7 @@ vec4 BokehComposite(BOKEH_TEXTURE MapSamp, BOKEH_TEXTURE GatherTilesSamp, BOKEH_
                 layers);
             gather = BokehGatherTo(gather, MapSamp, 5, 5, lastInner, ringLayout, polygon,
                 layers);
-            gather.inner = lastInner;
+            // the ring of few samples that a wide gather ends with
             gather = BokehGatherTo(gather, MapSamp, BOKEH_LAYER_RINGS + 1, 1, radius, ringLayout,
                 polygon, layers);
         }

@@ -28,8 +28,8 @@
 //              return Corner(vec4f(uv.x * 2.0 - 1.0, 1.0 - uv.y * 2.0, 0.0, 1.0), uv);
 //          }
 //
-//   1. CoC map. Color: HDR colour. Depth: the depth buffer. Target: rgba16float. The 1 selects
-//      standard depth: 0 at the near plane, 1 at the far plane.
+//   1. CoC map. Color: HDR colour. Depth: the depth buffer. Target: rgba16float. The argument 1
+//      selects standard depth: 0 at the near plane, 1 at the far plane.
 //          struct Camera { imageSize: vec2f, nearPlane: f32, farPlane: f32,
 //              apertureDiameter: f32, focalLength: f32, focusDistance: f32 }
 //          @group(0) @binding(0) var<uniform> camera: Camera;
@@ -42,7 +42,7 @@
 //                  camera.focusDistance), 1, vec2f(camera.nearPlane, camera.farPlane));
 //          }
 //
-//   2. First pass. Map: from 1. Linear: linear filter, clamp. Targets: two rgba16float.
+//   2. First blur pass. Map: from 1. Linear: linear filter, clamp. Targets: two rgba16float.
 //          struct Aperture { imageSize: vec2f, rotation: f32 }
 //          struct Targets { @location(0) strip2: vec4f, @location(1) strip3: vec4f }
 //          @group(0) @binding(0) var<uniform> aperture: Aperture;
@@ -56,7 +56,7 @@
 //              return Targets(targets.strip2, targets.strip3);
 //          }
 //
-//   3. Second pass. Strip2, Strip3: from 2. Linear: as above. Target: rgba16float.
+//   3. Second blur pass. Strip2, Strip3: from 2. Linear: as above. Target: rgba16float.
 //          struct Aperture { imageSize: vec2f, rotation: f32 }
 //          @group(0) @binding(0) var<uniform> aperture: Aperture;
 //          @group(0) @binding(1) var Strip2: texture_2d<f32>;

@@ -42,7 +42,7 @@
 // [11] layers
 //
 //   name                    default    range   meaning
-//   BOKEH_LAYER_RINGS       2          1 .. 6  rings of the small gather at full size; it takes one
+//   BOKEH_LAYER_RINGS       2          1 .. 4  rings of the small gather at full size; it takes one
 //                                              more where no layer is in reach (with CUBIC 0, where
 //                                              layers are small), and where it reaches far
 //   BOKEH_LAYER_SAMPLES     11         2 ..    most samples on an edge of a layer's hexagon; twice
@@ -180,16 +180,17 @@ fn BokehLayerSlope(largest: f32, startCoC: f32, fullCoC: f32) -> f32
 }
 
 // Layers: returns the slope of the near layer, which appears from 6 to 12 pixels
-//   Lower or higher, edges of small blurs get worse.
-//   Over 60 pixels the slope stays, so that no pixel of more than 36 is left to the gather, whose
-//   few samples would show.
+//   With lower or higher limits, the edges of small blurs get worse.
+//   Above 60 pixels the slope stays constant, so that no pixel with a CoC above 36 is left to the
+//   gather, whose few samples would show.
 fn BokehNearSlope(largest: f32) -> f32
 {
     return BokehLayerSlope(min(largest, 60.0), 6.0, 12.0);
 }
 
 // Layers: returns the slope of the far layer, which appears from 10 to 16 pixels
-//   Lower, the half resolution shows; higher, the gather has to reach farther.
+//   With lower limits, the half resolution shows; with higher ones, the gather has to reach
+//   farther.
 fn BokehFarSlope(largest: f32) -> f32
 {
     return BokehLayerSlope(largest, 10.0, 16.0);
@@ -199,7 +200,7 @@ fn BokehFarSlope(largest: f32) -> f32
 //   largest CoC that reaches it
 //
 //      1 |          ____
-//        |         /         Ramp lower: pixels half as near are blurred like the nearest.
+//        |         /         Ramp lower: half the largest CoC is blurred like the largest.
 //      0 |________/          Ramp higher: more is left to the gather, which is grainy.
 //        0       .4 .6   1   CoC / largest
 //   CoC           pixels: -s for the near layer, s for the far one
@@ -252,7 +253,7 @@ fn BokehReachTiles(layers: BokehLayerContext) -> f32
 
 // Layers: finds the largest near and far CoC among the tiles whose blur reaches this tile
 //   Reads tiles, then its own target: it runs twice, along rows and along columns. Writes
-//   dilatedTiles, from which every later pass knows whether a layer can be here.
+//   dilatedTiles, from which later passes know whether a layer can be here.
 //
 //      . . K . .   -->  K K K K K      if a CoC of K reaches two tiles in each direction
 //   axis          (1, 0), then (0, 1)
@@ -283,9 +284,9 @@ fn BokehTileDilate(TilesSamp: texture_2d<f32>, axis: vec2f, layers: BokehLayerCo
 //   more
 //   A lamp thus gets a polygon of its own size, even among many dark pixels with another CoC.
 //   inverseBrightness  1 / mean brightness of the tiles around
-//   maxWeight     at most 10000; times the largest CoC / 8 it has to fit into a half float. The
-//                 smallest sum that BokehLayerCoCColumns accepts as a layer, 0.0001 times 6 pixels,
-//                 is then no subnormal half, which some GPUs flush to 0.
+//   maxWeight     at most 10000: this times the largest CoC / 8 must fit into a half float.
+//                 BokehLayerCoCColumns accepts a weight down to 0.0001 with a CoC down to 6 pixels,
+//                 and such a sum is still a normal half float; some GPUs flush subnormal ones to 0.
 fn BokehBlurWeights(a: vec4f, b: vec4f, c: vec4f, d: vec4f, inverseBrightness: f32,
     maxWeight: f32) -> vec4f
 {
@@ -316,7 +317,7 @@ fn BokehLayerWeights(CoC: vec4f, slope: f32) -> vec4f
 // Layers: collects what is around a near edge: the darkest near colour, the brightest behind it
 //   found         of the pixels so far
 //   pixel         one more
-//   nearWeight    its layer weight; from half of maxNearWeight it is near
+//   nearWeight    its layer weight; the pixel counts as near from half of maxNearWeight on
 //   returns       rgb = darkest near colour, a = brightness of the brightest pixel behind
 fn BokehSurroundings(found: vec4f, pixel: vec4f, nearWeight: f32, maxNearWeight: f32) -> vec4f
 {
@@ -349,10 +350,10 @@ fn BokehNearPixel(pixel: vec4f, nearWeight: f32, around: vec4f) -> vec4f
 }
 
 // Layers: sorts the pixels into a near and a far layer at half size
-//   Reads the CoC map and dilatedTiles. Writes both layers, and two sums for the passes after it:
-//   layerCoCSums, from which the CoC of each layer follows, and gatherCoC, which says how far the
-//   gather has to reach. Antialiased pixels of near edges hold light of what is behind; if that is
-//   bright, it is removed first, or it would be blurred into a false rim.
+//   Reads the CoC map and dilatedTiles. Writes both layers, and two targets for the passes after
+//   it: layerCoCSums, from which the CoC of each layer follows, and gatherCoC, which says how far
+//   the gather has to reach. Antialiased pixels of near edges hold light of what is behind; if that
+//   is bright, it is removed first, or it would be blurred into a false rim.
 fn BokehPrefilter(MapSamp: texture_2d<f32>, DilatedTilesSamp: texture_2d<f32>,
     layers: BokehLayerContext, BokehLinearClamp: sampler) -> BokehPrefiltered
 {
@@ -502,7 +503,8 @@ fn BokehLayerCoCAlong(GatherCoCSamp: texture_2d<f32>, SumsSamp: texture_2d<f32>,
 
 // Layers: combines gatherCoC and sums of the tiles around, along rows
 //   Reads what BokehLayerCoCReduce wrote, and dilatedTiles. Writes the largest gatherCoC that
-//   reaches each tile, and a mean of the sums by a Gaussian as wide as the CoC in reach.
+//   reaches each tile, and a mean of the sums by a Gaussian with a standard deviation of 0.3 of the
+//   CoC in reach.
 fn BokehLayerCoCRows(GatherCoCSamp: texture_2d<f32>, SumsSamp: texture_2d<f32>,
     DilatedTilesSamp: texture_2d<f32>, layers: BokehLayerContext,
     BokehLinearClamp: sampler) -> BokehTileSums
@@ -563,13 +565,14 @@ fn BokehLayerCoC(LayerCoCSamp: texture_2d<f32>, layers: BokehLayerContext,
 
 // Layers: says how a layer is blurred at one point
 //   CoC           texels of the half size; 0.5 if there is no layer or nothing to do (compare with
-//                 0.51, since a GPU's root of 0.25 may be a little more)
+//                 0.51: on a GPU, sqrt(0.25) may come out slightly above 0.5)
 //   spacing       between samples on an edge, texels, at least 1; an edge of a hexagon has at most
 //                 BOKEH_LAYER_SAMPLES samples
 //   useQuarterLayer  true: the first pass reads the layer at quarter size, because samples are too
 //                 far apart for the half size
-//   sideTap       weight of the texels beside the middle one in the quarter-size filter, which then
-//                 has a zero near 1 / spacing; more makes edges soft, less leaves dots
+//   sideTap       weight of the texels beside the middle one in the quarter-size filter, chosen so
+//                 that the filter removes detail of the size of the spacing; more makes edges soft,
+//                 less leaves dots
 struct BokehBlur
 {
     CoC: f32,
@@ -617,7 +620,8 @@ fn BokehLayerBlur(layerCoC: vec2f, isFar: bool, polygon: BokehPolygon) -> BokehB
     return blur;
 }
 
-// Layers: samples a layer for its copy at quarter size, as smooth as samples are apart
+// Layers: samples a layer for its copy at quarter size, smoothed over about the distance between
+//   two samples of the blur
 //   center        texels of the half size
 //   side          sideTap of BokehBlur
 fn BokehQuarterLayer(LayerSamp: texture_2d<f32>, center: vec2f, side: f32,
@@ -721,8 +725,8 @@ fn BokehSamplesPerEdge(ring: i32, polygon: BokehPolygon) -> i32
     return i32(max(6.0 * f32(ring) / f32(polygon.sides) + 0.5, 1.0));
 }
 
-// Layers: returns the weights of middle and far as BokehDownsample had them before brightness
-//   w (1 + brightness / mean) = the weight without brightness.
+// Layers: returns the weights of middle and far that BokehDownsample had before it divided by
+//   1 + brightness / mean
 fn BokehHoleWeights(middle: vec4f, far: vec4f, inverseBrightness: f32) -> vec2f
 {
     return vec2f(middle.a + BokehBrightest(middle.rgb) * inverseBrightness, far.a +
@@ -814,7 +818,8 @@ fn BokehHoleFill(MidSamp: texture_2d<f32>, FarSamp: texture_2d<f32>,
 //   The parallelograms of [5], without weights and without a leakage test, because a layer holds
 //   nothing that must not spread. All four channels are blurred, so alpha becomes the coverage.
 
-// Layers: averages the samples along edge k; in the second pass times its parallelograms' area
+// Layers: averages the samples along edge k, and in the second pass multiplies the mean by the area
+//   of the edge's parallelograms
 //   tex           the layer, or a strip
 //   QuarterSamp   the layer at quarter size, read if useQuarterLayer of blur is true
 //   blur          from BokehLayerBlur
@@ -963,7 +968,7 @@ fn BokehLayerSecond(Strip2Samp: texture_2d<f32>, Strip3Samp: texture_2d<f32>,
     return result;
 }
 
-// Layers: holds what BokehLayersFirst writes; only a hexagon uses those of edge 3
+// Layers: holds what BokehLayersFirst writes; only a hexagon uses the two strips 3
 struct BokehLayersTargets
 {
     nearStrip2: vec4f,
@@ -999,7 +1004,7 @@ struct BokehBlurred
 }
 
 // Layers: blurs both layers of a square or a hexagon, second pass
-//   For a square pass any textures as strips 3: they are not read.
+//   For a square, pass any textures as strips 3: they are not read.
 fn BokehLayersSecond(NearStrip2Samp: texture_2d<f32>, FarStrip2Samp: texture_2d<f32>,
     NearStrip3Samp: texture_2d<f32>, FarStrip3Samp: texture_2d<f32>, layerCoC: vec2f,
         polygon: BokehPolygon, layers: BokehLayerContext, BokehLinearClamp: sampler) -> BokehBlurred
@@ -1071,7 +1076,8 @@ fn BokehSpreadInverse(CoC: vec2f) -> vec2f
 // Layers: describes how the gather of a pixel is divided into rings
 //   radius        of the gather, pixels
 //   spacing       between rings, pixels
-//   narrowing     0: evenly spaced; 1: closer to the centre, but never closer than a pixel
+//   narrowing     0: rings evenly spaced; 1: denser towards the centre, but never less than a pixel
+//                 apart
 struct BokehRingLayout
 {
     radius: f32,
@@ -1095,7 +1101,8 @@ fn BokehRingBorder(ring: i32, rings: BokehRingLayout) -> f32
 //                 weight
 //   slopes        of the near and the far layer
 //   snapping      0: linear filter, 100: nearest texel
-//   bounds        limits of a sample's 1 / radius^2: of the gather's radius, of the inner disc
+//   bounds        lower and upper limit of a sample's 1 / radius^2: the values for the gather's
+//                 radius and for the inner disc
 //   inner         where the next ring begins, pixels
 struct BokehGather
 {
@@ -1187,7 +1194,7 @@ fn BokehGatherRing(before: BokehGather, MapSamp: texture_2d<f32>, ring: i32, onE
 }
 
 // Layers: gathers one more ring, if there is one between the gather so far and its end
-//   density       number of the ring that has the number of samples to take
+//   density       take as many samples as the ring of this number has
 //   end           pixels
 fn BokehGatherTo(before: BokehGather, MapSamp: texture_2d<f32>, ring: i32, density: i32, end: f32,
     rings: BokehRingLayout, polygon: BokehPolygon, layers: BokehLayerContext,
@@ -1310,7 +1317,7 @@ fn BokehComposite(MapSamp: texture_2d<f32>, GatherTilesSamp: texture_2d<f32>,
                 layers, BokehLinearClamp);
             gather = BokehGatherTo(gather, MapSamp, 5, 5, lastInner, ringLayout, polygon,
                 layers, BokehLinearClamp);
-            gather.inner = lastInner;
+            // the ring of few samples that a wide gather ends with
             gather = BokehGatherTo(gather, MapSamp, BOKEH_LAYER_RINGS + 1, 1, radius, ringLayout,
                 polygon, layers, BokehLinearClamp);
         }

@@ -1722,7 +1722,6 @@ gather=BokehGatherTo(gather,MapSamp,4,4,lastInner,ringLayout,polygon,
 layers);
 gather=BokehGatherTo(gather,MapSamp,5,5,lastInner,ringLayout,polygon,
 layers);
-gather.inner=lastInner;
 gather=BokehGatherTo(gather,MapSamp,BOKEH_LAYER_RINGS+1,1,radius,ringLayout,
 polygon,layers);
 }
@@ -3616,7 +3615,6 @@ gather=BokehGatherTo(gather,MapSamp,4,4,lastInner,ringLayout,polygon,
 layers,BokehLinearClamp);
 gather=BokehGatherTo(gather,MapSamp,5,5,lastInner,ringLayout,polygon,
 layers,BokehLinearClamp);
-gather.inner=lastInner;
 gather=BokehGatherTo(gather,MapSamp,BOKEH_LAYER_RINGS+1,1,radius,ringLayout,
 polygon,layers,BokehLinearClamp);
 }

@@ -1683,7 +1683,6 @@ gather = BokehGatherTo(gather, MapSamp, 4, 4, lastInner, ringLayout, polygon,
 layers, BokehLinearClamp);
 gather = BokehGatherTo(gather, MapSamp, 5, 5, lastInner, ringLayout, polygon,
 layers, BokehLinearClamp);
-gather.inner = lastInner;
 gather = BokehGatherTo(gather, MapSamp, BOKEH_LAYER_RINGS + 1, 1, radius, ringLayout,
 polygon, layers, BokehLinearClamp);
 }

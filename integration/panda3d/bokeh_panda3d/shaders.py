@@ -1716,7 +1716,6 @@ gather = BokehGatherTo(gather, MapSamp, 4, 4, lastInner, ringLayout, polygon,
 layers);
 gather = BokehGatherTo(gather, MapSamp, 5, 5, lastInner, ringLayout, polygon,
 layers);
-gather.inner = lastInner;
 gather = BokehGatherTo(gather, MapSamp, BOKEH_LAYER_RINGS + 1, 1, radius, ringLayout,
 polygon, layers);
 }

@@ -30,8 +30,8 @@
 //              position = float4(uv.x * 2.0 - 1.0, 1.0 - uv.y * 2.0, 0.0, 1.0);
 //          }
 //
-//   1. CoC map. Color: HDR colour. Depth: the depth buffer. Target: RGBA16F. The 1 selects standard
-//      depth: 0 at the near plane, 1 at the far plane.
+//   1. CoC map. Color: HDR colour. Depth: the depth buffer. Target: RGBA16F. The argument 1
+//      selects standard depth: 0 at the near plane, 1 at the far plane.
 //          Texture2D Color : register(t0);
 //          Texture2D Depth : register(t1);
 //          float2 imageSize;
@@ -44,7 +44,7 @@
 //                  1, float2(nearPlane, farPlane));
 //          }
 //
-//   2. First pass. Map: from 1. Linear: linear filter, clamp. Targets: two RGBA16F.
+//   2. First blur pass. Map: from 1. Linear: linear filter, clamp. Targets: two RGBA16F.
 //          Texture2D Map : register(t0);
 //          SamplerState Linear : register(s0);
 //          float2 imageSize;
@@ -58,7 +58,7 @@
 //              strip3 = targets.strip3;
 //          }
 //
-//   3. Second pass. Strip2, Strip3: from 2. Linear: as above. Target: RGBA16F.
+//   3. Second blur pass. Strip2, Strip3: from 2. Linear: as above. Target: RGBA16F.
 //          Texture2D Strip2 : register(t0);
 //          Texture2D Strip3 : register(t1);
 //          SamplerState Linear : register(s0);

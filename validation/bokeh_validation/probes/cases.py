@@ -49,6 +49,8 @@ CUT = {"cats_eye": 0.7, "roundness": 0.5}
 FOCUS = methods.Focus((0.5, 1.0), (0.75, 0.5), (0.0625, 0.03125))
 WIDE = {"camera": Camera(1.8, 0.05, 8.0, max_coc=0.5)}  # near and far layers of up to 25 pixels in 50 rows
 WIDEST = {"camera": Camera(1.8, 0.05, 8.0, max_coc=1.0)}
+# far CoC of at most 9.5 pixels in 50 rows: no layer, and one more ring than the preset has
+MODERATE = {"camera": Camera(1.8, 0.05, 8.0, max_coc=0.19), "focus": methods.Focus(scale=(0.0, 1.0))}
 PAPER, EXACT = Settings("paper", "hexagon", 5, **ALL), Settings("exact", "hexagon", 5, **ALL)
 LAYERED = Settings("layered", "hexagon", 5, jitter=0.5, frame=3, **ALL)
 CAMERA = Camera(0.1, 0.05, 4.0, max_coc=0.3)
@@ -118,15 +120,9 @@ CASES = (
     _named("layered hexagon, narrow", [COVERAGE], LAYERED),
     _named("layered octagon, narrow", [COVERAGE], LAYERED, aperture="octagon"),
     _named("layered decagon, narrow", [COVERAGE], LAYERED, aperture="decagon"),
-    # far CoC of at most 9.5 pixels in 50 rows: no layer, and one more ring than the preset has
-    _named(
-        "layered, moderate",
-        [COVERAGE],
-        LAYERED,
-        preset="high",
-        camera=replace(WIDE["camera"], max_coc=0.19),
-        focus=methods.Focus(scale=(0.0, 1.0)),
-    ),
+    _named("layered, moderate", [COVERAGE], LAYERED, preset="ultra", **MODERATE),
+    # without BOKEH_SIDES, so that one loop gathers all rings
+    _named("layered, moderate, cut", [COVERAGE], LAYERED, preset="high", cats_eye=0.9, **MODERATE),
     _named("layered, wide", [COVERAGE], LAYERED, jitter=1.0, **WIDE),
     _named("layered, far", [COVERAGE], LAYERED, focus=methods.Focus(scale=(0.0, 1.0)), **WIDE),
     _named("layered, low", [COVERAGE, BAD_INPUT], LAYERED, aperture="decagon", preset="low", **WIDE),

@@ -138,7 +138,7 @@ KEPT = {
     "There are white squares": "test_highp::test_highp_wins_over_mediump, test_highp::test_libraries_have_no_half",
     "Outlines tremble though nothing moves": "test_steady::test_stands_still",
     "A sharp object has": "test_probes::test_probes_notice",
-    "A near object does not fade": "test_paste::test_the_chain_runs",
+    "In `exact` with your own CoC map, a near object is solid right up": "test_paste::test_the_chain_runs",
     "A blurred object has [a hard edge": (
         "test_probes::test_probes_notice, test_layers::test_layered_aspect_and_presets"
     ),
@@ -211,4 +211,4 @@ def test_pull(rate):
     for _ in range(rate):
         pulled = run(PULL, dt=1 / rate, tau=tau, d0=inf, d1=2.0, d2=5.0, pulled=pulled)["pulled"]
     assert 1 / 2.0 - pulled == pytest.approx((1 / 2.0 - 1 / 10.0) * exp(-1 / tau))
-    assert f"After 3 tau {100 * exp(-3):.0f} % is left" in LENS_PAGE
+    assert f"After 3 tau, {100 * exp(-3):.0f} % of the way to the target remains" in LENS_PAGE
