@@ -826,9 +826,10 @@ float4 BokehRay(int k, BokehPolygon polygon, bool secondPass)
 
 // Exact: returns the weight of a sample on a ray in front of the focus: does its blur reach this
 //   pixel?
-//   Every sample does. One that is sharp or behind the focus has half the weight, so that a near
-//   light is as dense on its own pixels as beside them. The half fades in over an eighth of this
-//   pixel's CoC, because a step would show while the focus is pulled.
+//   Every sample does. One that is sharp or behind the focus has half the weight, or more if it is
+//   blurred by more than half of this pixel's CoC, so that a near light is as dense on its own
+//   pixels as beside them. The half fades in over an eighth of this pixel's CoC, because a step
+//   would show while the focus is pulled.
 //   ratio         the sample's CoC / this pixel's; negative on the other side of the focus
 float BokehNearRayWeight(float ratio)
 {
