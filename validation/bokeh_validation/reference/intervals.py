@@ -220,6 +220,8 @@ def chosen(where: Condition, yes, no):
         return yes
     if isinstance(yes, dict):
         return {name: chosen(where, yes[name], no.get(name, yes[name])) for name in yes}
+    if isinstance(yes, Condition) or isinstance(no, Condition):
+        return _chosen_condition(where, yes, no)
     yes, no = interval(yes), interval(no)
     fields = [np.where(where.sure, yes.low, no.low), np.where(where.sure, yes.high, no.high)]
     is_open = where.possible & ~where.sure
@@ -228,6 +230,17 @@ def chosen(where: Condition, yes, no):
         fields[1] = np.where(is_open, np.maximum(yes.high, no.high), fields[1])
     value = np.where(where.value, yes.value, no.value)
     return Interval(value) if yes.is_exact and no.is_exact and not is_open.any() else Interval(value, *fields)
+
+
+def _chosen_condition(where: Condition, yes: Condition | bool, no: Condition | bool) -> Condition:
+    """Select the condition `yes` where another one holds, else `no`; where that is open, devices may have either."""
+    yes, no = (
+        Condition(*(np.full(where.value.shape, one),) * 3) if isinstance(one, bool) else one for one in (yes, no)
+    )
+    never = ~where.possible
+    sure = (yes.sure | never) & (no.sure | where.sure)
+    possible = (yes.possible & where.possible) | (no.possible & ~where.sure)
+    return Condition(np.where(where.value, yes.value, no.value), sure, possible)
 
 
 def picked(number, places: np.ndarray, count: int):
