@@ -1942,14 +1942,14 @@ return textureSampleLevel(tex,BokehLinearClamp,coords,0.0);
 }
 fn BokehFetchTexel(tex:texture_2d<f32>,coords:vec2f)->vec4f
 {
-let size:vec2i=vec2i(textureDimensions(tex));
-let texel:vec2i=vec2i(saturate(coords)*vec2f(size));
+let size=vec2i(textureDimensions(tex));
+let texel=vec2i(saturate(coords)*vec2f(size));
 return textureLoad(tex,min(texel,size-vec2i(1,1)),0);
 }
 fn BokehFetchDepth(tex:BokehDepthTexture,coords:vec2f)->f32
 {
-let size:vec2i=vec2i(textureDimensions(tex));
-let texel:vec2i=vec2i(saturate(coords)*vec2f(size));
+let size=vec2i(textureDimensions(tex));
+let texel=vec2i(saturate(coords)*vec2f(size));
 return vec4f(textureLoad(tex,min(texel,size-vec2i(1,1)),0)).r;
 }
 var<private> BokehViewport:vec4f=vec4f(0.0,0.0,1.0,1.0);
@@ -1958,7 +1958,7 @@ fn BokehSetViewport(viewport:vec4f,textureSize:vec2f)
 {
 if(BOKEH_VIEWPORT > 0)
 {
-let inset:vec2f=min(vec2f(0.5078125,0.5078125),viewport.zw*0.5);
+let inset=min(vec2f(0.5078125,0.5078125),viewport.zw*0.5);
 BokehViewport=viewport/textureSize.xyxy;
 BokehViewportBounds=vec4f(viewport.xy+inset,viewport.xy+viewport.zw-inset) /
 textureSize.xyxy;
@@ -1966,7 +1966,7 @@ textureSize.xyxy;
 }
 fn BokehToTexture(uv:vec2f)->vec2f
 {
-var coords:vec2f=uv;
+var coords=uv;
 if(BOKEH_VIEWPORT > 0)
 {
 coords=clamp(BokehViewport.xy+uv*BokehViewport.zw,BokehViewportBounds.xy,
@@ -1998,10 +1998,10 @@ return lens;
 }
 fn BokehSignedCoC(depth:f32,lens:BokehLens)->f32
 {
-let focus:f32=min(lens.focusDistance,BOKEH_MAX_DEPTH);
-let magnification:f32=lens.focalLength/max(focus-lens.focalLength,BOKEH_MIN_DEPTH);
-let c:f32=lens.apertureDiameter*magnification*(abs(depth-focus)/depth);
-var CoC:f32=clamp(c/max(lens.sensorHeight,BOKEH_MIN_DEPTH),0.0,lens.maxCoC);
+let focus=min(lens.focusDistance,BOKEH_MAX_DEPTH);
+let magnification=lens.focalLength/max(focus-lens.focalLength,BOKEH_MIN_DEPTH);
+let c=lens.apertureDiameter*magnification*(abs(depth-focus)/depth);
+var CoC=clamp(c/max(lens.sensorHeight,BOKEH_MIN_DEPTH),0.0,lens.maxCoC);
 if(depth < focus)
 {
 CoC = -CoC;
@@ -2010,7 +2010,7 @@ return CoC;
 }
 fn BokehSanitize(value:f32,minimum:f32,maximum:f32)->f32
 {
-var safe:f32=minimum;
+var safe=minimum;
 if(value >= minimum)
 {
 safe=min(value,maximum);
@@ -2019,7 +2019,7 @@ return safe;
 }
 fn BokehLinearDepth(stored:f32,kind:i32,nearPlane:f32,farPlane:f32)->f32
 {
-var depth:f32=stored;
+var depth=stored;
 if(kind==1)
 {
 depth=nearPlane*farPlane/(farPlane-stored*(farPlane-nearPlane));
@@ -2070,13 +2070,13 @@ BOKEH_MAX_COLOR),BokehSanitize(color.b,0.0,BOKEH_MAX_COLOR),CoC);
 }
 fn BokehBrightness(color:vec4f)->f32
 {
-let safe:vec4f=BokehPackCoC(color,0.0);
+let safe=BokehPackCoC(color,0.0);
 return safe.r+safe.g+safe.b;
 }
 fn BokehBrighter(brightest:vec3f,color:vec4f,direction:vec2f)->vec3f
 {
-var result:vec3f=brightest;
-let brightness:f32=BokehBrightness(color);
+var result=brightest;
+let brightness=BokehBrightness(color);
 if(brightness > brightest.z)
 {
 result=vec3f(direction,brightness);
@@ -2085,26 +2085,26 @@ return result;
 }
 fn BokehLightBeside(color:vec4f,right:vec4f,left:vec4f,below:vec4f,above:vec4f)->vec4f
 {
-let brightness:f32=max(BokehBrightness(color),0.0000001);
-let darkest:f32=min(min(BokehBrightness(right),BokehBrightness(left)),
+let brightness=max(BokehBrightness(color),0.0000001);
+let darkest=min(min(BokehBrightness(right),BokehBrightness(left)),
 min(BokehBrightness(below),BokehBrightness(above)));
-var brightest:vec3f=vec3f(0.0,0.0,brightness);
+var brightest=vec3f(0.0,0.0,brightness);
 brightest=BokehBrighter(brightest,right,vec2f(1.0,0.0));
 brightest=BokehBrighter(brightest,left,vec2f(-1.0,0.0));
 brightest=BokehBrighter(brightest,below,vec2f(0.0,1.0));
 brightest=BokehBrighter(brightest,above,vec2f(0.0,-1.0));
-let ratio:f32=brightest.z/brightness;
-let dark:f32=clamp(0.25*ratio-1.0,0.0,1.0);
-let rim:f32=clamp(5.0*brightness/max(darkest,0.0000001)-6.5,0.0,1.0) *
+let ratio=brightest.z/brightness;
+let dark=clamp(0.25*ratio-1.0,0.0,1.0);
+let rim=clamp(5.0*brightness/max(darkest,0.0000001)-6.5,0.0,1.0) *
 clamp(10.0*ratio-10.0,0.0,1.0);
 return vec4f(brightest.xy,dark,rim);
 }
 fn BokehBrightNeighbor(ColorSamp:texture_2d<f32>,uv:vec2f,imageSize:vec2f)->vec4f
 {
-let pixel:vec2f=1.0/max(imageSize,vec2f(1.0,1.0));
-let right:vec2f=vec2f(pixel.x,0.0);
-let below:vec2f=vec2f(0.0,pixel.y);
-let brightest:vec4f=BokehLightBeside(BokehFetchTexel(ColorSamp,BokehToTexture(uv)),
+let pixel=1.0/max(imageSize,vec2f(1.0,1.0));
+let right=vec2f(pixel.x,0.0);
+let below=vec2f(0.0,pixel.y);
+let brightest=BokehLightBeside(BokehFetchTexel(ColorSamp,BokehToTexture(uv)),
 BokehFetchTexel(ColorSamp,BokehToTexture(uv+right)),
 BokehFetchTexel(ColorSamp,BokehToTexture(uv-right)),
 BokehFetchTexel(ColorSamp,BokehToTexture(uv+below)),
@@ -2113,10 +2113,10 @@ return vec4f(brightest.xy*pixel,brightest.zw);
 }
 fn BokehLightCoC(CoC:f32,lightCoC:f32,weights:vec2f,imageHeight:f32)->f32
 {
-let sharper:f32=min(abs(CoC),abs(lightCoC));
-let dark:f32=weights.x*clamp(sharper*imageHeight-1.0,0.0,1.0);
-let rim:f32=weights.y*clamp(abs(CoC)*imageHeight-1.0,0.0,1.0);
-var weight:f32=max(dark,rim);
+let sharper=min(abs(CoC),abs(lightCoC));
+let dark=weights.x*clamp(sharper*imageHeight-1.0,0.0,1.0);
+let rim=weights.y*clamp(abs(CoC)*imageHeight-1.0,0.0,1.0);
+var weight=max(dark,rim);
 if(lightCoC < 0.0&&CoC > 0.0)
 {
 weight=floor(weight+0.5);
@@ -2126,13 +2126,13 @@ return CoC+(min(lightCoC,CoC)-CoC)*weight;
 fn BokehSignedCoCMap(ColorSamp:texture_2d<f32>,DepthSamp:BokehDepthTexture,uv:vec2f,
 depthUV:vec2f,imageSize:vec2f,lens:BokehLens,kind:i32,planes:vec2f)->vec4f
 {
-var depth:f32=BokehLinearDepth(BokehFetchDepth(DepthSamp,depthUV),kind,planes.x,
+var depth=BokehLinearDepth(BokehFetchDepth(DepthSamp,depthUV),kind,planes.x,
 planes.y);
-var CoC:f32=BokehSignedCoC(depth,lens);
-let neighbor:vec4f=BokehBrightNeighbor(ColorSamp,uv,imageSize);
+var CoC=BokehSignedCoC(depth,lens);
+let neighbor=BokehBrightNeighbor(ColorSamp,uv,imageSize);
 if(max(neighbor.z,neighbor.w) > 0.0)
 {
-let offset:vec2f=BokehToTexture(uv+neighbor.xy)-BokehToTexture(uv);
+let offset=BokehToTexture(uv+neighbor.xy)-BokehToTexture(uv);
 depth=BokehLinearDepth(BokehFetchDepth(DepthSamp,depthUV+offset),kind,planes.x,
 planes.y);
 CoC=BokehLightCoC(CoC,BokehSignedCoC(depth,lens),neighbor.zw,imageSize.y);
@@ -2161,7 +2161,7 @@ return settings;
 }
 fn BokehFilterCoC(CoC:f32,imageHeight:f32)->f32
 {
-var filterCoC:f32=CoC;
+var filterCoC=CoC;
 if(BOKEH_SPACING > 0.0)
 {
 filterCoC=CoC*clamp((CoC*imageHeight-0.5)*2.0,0.0,1.0);
@@ -2170,7 +2170,7 @@ return filterCoC;
 }
 fn BokehSampleCount(lengthInPixels:f32,spacing:f32)->f32
 {
-var samples:f32=f32(BOKEH_NUM_SAMPLES);
+var samples=f32(BOKEH_NUM_SAMPLES);
 if(BOKEH_SPACING > 0.0)
 {
 samples=clamp(lengthInPixels/spacing,1.0,f32(BOKEH_NUM_SAMPLES));
@@ -2179,14 +2179,14 @@ return samples;
 }
 fn BokehSignedLeakageWeight(sampleCoC:f32,centerCoC:f32,settings:BokehSamplingSettings)->f32
 {
-let scale:f32=1.0/max(settings.bleedingBias,0.001);
-let rejected:f32=clamp((centerCoC*scale-0.5)-abs(sampleCoC)*scale,0.0,1.0);
-let weight:f32=clamp(abs(sampleCoC)*settings.bleedingMult,0.0,1.0);
+let scale=1.0/max(settings.bleedingBias,0.001);
+let rejected=clamp((centerCoC*scale-0.5)-abs(sampleCoC)*scale,0.0,1.0);
+let weight=clamp(abs(sampleCoC)*settings.bleedingMult,0.0,1.0);
 return 1.0-rejected*(1.0-weight*weight);
 }
 fn BokehResolved(sum:vec4f,centerPixel:vec4f)->vec4f
 {
-var result:vec4f=centerPixel;
+var result=centerPixel;
 if(sum.a > 0.0)
 {
 result=vec4f(sum.rgb/sum.a,centerPixel.a);
@@ -2213,8 +2213,8 @@ strip5:vec4f,
 }
 fn BokehMakePolygon(sides:i32,rotation:f32,squeeze:f32)->BokehPolygon
 {
-let halfStep:f32=3.14159265/f32(sides);
-let edge:f32=sin(halfStep);
+let halfStep=3.14159265/f32(sides);
+let edge=sin(halfStep);
 var polygon:BokehPolygon;
 polygon.sides=sides;
 polygon.axis=vec2f(cos(rotation),sin(rotation));
@@ -2234,17 +2234,17 @@ axis.x);
 }
 fn BokehTurn(k:f32,polygon:BokehPolygon)->vec2f
 {
-let angle:f32=6.28318531/f32(polygon.sides)*k;
+let angle=6.28318531/f32(polygon.sides)*k;
 return vec2f(cos(angle),sin(angle));
 }
 fn BokehEdgeLength(k:i32,polygon:BokehPolygon)->f32
 {
-var edge:i32=k;
+var edge=k;
 if(k > polygon.sides/2)
 {
 edge=k-polygon.sides/2;
 }
-var edgeLength:f32=polygon.lengths.x;
+var edgeLength=polygon.lengths.x;
 if(edge==2)
 {
 edgeLength=polygon.lengths.y;
@@ -2265,14 +2265,14 @@ return edgeLength;
 }
 fn BokehEdge(k:i32,polygon:BokehPolygon)->vec2f
 {
-let outwards:vec2f=BokehTurn(f32(k),polygon);
+let outwards=BokehTurn(f32(k),polygon);
 return vec2f(-outwards.y,outwards.x)*BokehEdgeLength(k,polygon);
 }
 fn BokehEdgeLine(k:i32,polygon:BokehPolygon,secondPass:bool)->vec4f
 {
-let halfEdge:vec2f=BokehEdge(k,polygon)*0.5;
-var middle:vec2f=polygon.corner-polygon.mean+halfEdge;
-let before:vec4f=clamp(f32(k)-vec4f(1.0,2.0,3.0,4.0),vec4f(0.0,0.0,0.0,0.0),
+let halfEdge=BokehEdge(k,polygon)*0.5;
+var middle=polygon.corner-polygon.mean+halfEdge;
+let before=clamp(f32(k)-vec4f(1.0,2.0,3.0,4.0),vec4f(0.0,0.0,0.0,0.0),
 vec4f(1.0,1.0,1.0,1.0));
 middle+=BokehEdge(1,polygon)*before.x+BokehEdge(2,polygon)*before.y+BokehEdge(3,
 polygon)*before.z+BokehEdge(4,polygon)*before.w;
@@ -2280,14 +2280,14 @@ if(secondPass)
 {
 middle = -middle-polygon.corner;
 }
-let segment:vec4f=vec4f(BokehRotated(middle,polygon.axis),BokehRotated(halfEdge,
+let segment=vec4f(BokehRotated(middle,polygon.axis),BokehRotated(halfEdge,
 polygon.axis));
 return segment*vec4f(polygon.squeeze,1.0,polygon.squeeze,1.0);
 }
 fn BokehEdgeWeights(k:i32,polygon:BokehPolygon)->vec4f
 {
-let angle:f32=6.28318531/f32(polygon.sides);
-let steps:vec4f=max(vec4f(f32(k)-1.0,f32(k)-2.0,f32(k)-3.0,f32(k)-4.0),vec4f(0.0,
+let angle=6.28318531/f32(polygon.sides);
+let steps=max(vec4f(f32(k)-1.0,f32(k)-2.0,f32(k)-3.0,f32(k)-4.0),vec4f(0.0,
 0.0,0.0,0.0));
 return max(sin(steps*angle),vec4f(0.0,0.0,0.0,0.0))*polygon.lengths;
 }
@@ -2298,17 +2298,17 @@ polygon);
 }
 fn BokehRay(k:i32,polygon:BokehPolygon,secondPass:bool)->vec4f
 {
-var halfEdge:vec2f=BokehEdge(k,polygon) * -0.5;
+var halfEdge=BokehEdge(k,polygon) * -0.5;
 if(k==2)
 {
 halfEdge = -halfEdge;
 }
-var middle:vec2f=halfEdge;
+var middle=halfEdge;
 if(secondPass)
 {
 middle-=polygon.corner+BokehEdge(2,polygon);
 }
-let segment:vec4f=vec4f(BokehRotated(middle,polygon.axis),BokehRotated(halfEdge,
+let segment=vec4f(BokehRotated(middle,polygon.axis),BokehRotated(halfEdge,
 polygon.axis));
 return segment*vec4f(polygon.squeeze,1.0,polygon.squeeze,1.0);
 }
@@ -2318,9 +2318,9 @@ return clamp(max(0.5+4.0*ratio,-ratio),0.5,1.0);
 }
 fn BokehFarRayWeight(ratio:f32,samples:f32,i:i32)->vec3f
 {
-let part:f32=min(abs(ratio),1.0);
-let reached:f32=clamp(part*samples-f32(i),0.0,1.0);
-let weight:f32=reached/max(part,0.25);
+let part=min(abs(ratio),1.0);
+let reached=clamp(part*samples-f32(i),0.0,1.0);
+let weight=reached/max(part,0.25);
 return vec3f(weight,reached,weight*clamp(4.0*ratio-3.0,0.0,1.0));
 }
 struct BokehLine
@@ -2332,43 +2332,43 @@ fn BokehLineSum(tex:texture_2d<f32>,uv:vec2f,k:i32,polygon:BokehPolygon,secondPa
 rays:bool,centerCoC:f32,settings:BokehSamplingSettings,
 BokehLinearClamp:sampler)->BokehLine
 {
-var sum:vec4f=vec4f(0.0,0.0,0.0,0.0);
-var reached:f32=0.0;
-let CoC:f32=BokehFilterCoC(abs(centerCoC),settings.imageHeight);
+var sum=vec4f(0.0,0.0,0.0,0.0);
+var reached=0.0;
+let CoC=BokehFilterCoC(abs(centerCoC),settings.imageHeight);
 if(CoC > 0.0)
 {
-var segment:vec4f=BokehEdgeLine(k,polygon,secondPass);
+var segment=BokehEdgeLine(k,polygon,secondPass);
 if(rays)
 {
 segment=BokehRay(k,polygon,secondPass);
 }
-let lengthInPixels:f32=2.0*length(segment.zw)*CoC*settings.imageHeight;
-let samples:f32=BokehSampleCount(lengthInPixels,settings.spacing);
-let phase:f32=0.5+settings.jitter*clamp(lengthInPixels/samples-1.0,0.0,1.0);
-let scale:vec2f=vec2f(CoC/settings.aspectRatio,CoC);
-let first:vec2f=uv+(segment.xy-segment.zw)*scale;
-let sampleStep:vec2f=segment.zw*scale*(2.0/samples);
-let inverseCoC:f32=1.0/centerCoC;
-var surface:vec4f=vec4f(0.0,0.0,0.0,0.0);
-for(var i:i32=0;i < BOKEH_NUM_SAMPLES;i++)
+let lengthInPixels=2.0*length(segment.zw)*CoC*settings.imageHeight;
+let samples=BokehSampleCount(lengthInPixels,settings.spacing);
+let phase=0.5+settings.jitter*clamp(lengthInPixels/samples-1.0,0.0,1.0);
+let scale=vec2f(CoC/settings.aspectRatio,CoC);
+let first=uv+(segment.xy-segment.zw)*scale;
+let sampleStep=segment.zw*scale*(2.0/samples);
+let inverseCoC=1.0/centerCoC;
+var surface=vec4f(0.0,0.0,0.0,0.0);
+for(var i=0;i < BOKEH_NUM_SAMPLES;i++)
 {
 if(BOKEH_SPACING > 0.0&&f32(i) >= samples)
 {
 break;
 }
-let part:f32=clamp(samples-f32(i),0.0,1.0);
-let samplePixel:vec4f=BokehFetch(tex,first+sampleStep*(f32(i)+part*phase),
+let part=clamp(samples-f32(i),0.0,1.0);
+let samplePixel=BokehFetch(tex,first+sampleStep*(f32(i)+part*phase),
 BokehLinearClamp);
 if(rays)
 {
-let ratio:f32=samplePixel.a*inverseCoC;
+let ratio=samplePixel.a*inverseCoC;
 if(centerCoC < 0.0)
 {
 sum+=vec4f(samplePixel.rgb,1.0)*(part*BokehNearRayWeight(ratio));
 }
 else
 {
-let weights:vec3f=BokehFarRayWeight(ratio,samples,i);
+let weights=BokehFarRayWeight(ratio,samples,i);
 sum+=vec4f(samplePixel.rgb,1.0)*weights.x;
 reached+=(samplePixel.r+samplePixel.g+samplePixel.b)*weights.y;
 surface+=vec4f(samplePixel.rgb,1.0)*weights.z;
@@ -2376,14 +2376,14 @@ surface+=vec4f(samplePixel.rgb,1.0)*weights.z;
 }
 else
 {
-let weight:f32=part*BokehSignedLeakageWeight(samplePixel.a,centerCoC,
+let weight=part*BokehSignedLeakageWeight(samplePixel.a,centerCoC,
 settings);
 sum+=vec4f(samplePixel.rgb,1.0)*weight;
 }
 }
 if(rays)
 {
-let covered:f32=clamp((sum.a-samples)/max(surface.a,0.0001),0.0,1.0);
+let covered=clamp((sum.a-samples)/max(surface.a,0.0001),0.0,1.0);
 sum-=surface*covered;
 reached-=(surface.r+surface.g+surface.b)*covered;
 }
@@ -2402,14 +2402,14 @@ return result;
 fn BokehExactTarget(k:i32,polygon:BokehPolygon,rays:bool,L1:BokehLine,L2:BokehLine,
 L3:BokehLine,L4:BokehLine,centerPixel:vec4f)->vec4f
 {
-let weights:vec4f=BokehEdgeWeights(k,polygon);
-let sum:vec4f=L1.sum*weights.x+L2.sum*weights.y+L3.sum*weights.z+L4.sum *
+let weights=BokehEdgeWeights(k,polygon);
+let sum=L1.sum*weights.x+L2.sum*weights.y+L3.sum*weights.z+L4.sum *
 weights.w;
-var result:vec4f=BokehResolved(sum,centerPixel);
-let gathered:f32=sum.r+sum.g+sum.b;
+var result=BokehResolved(sum,centerPixel);
+let gathered=sum.r+sum.g+sum.b;
 if(rays&&centerPixel.a > 0.0&&gathered > 0.0)
 {
-let reached:f32=dot(vec4f(L1.reached,L2.reached,L3.reached,L4.reached),weights);
+let reached=dot(vec4f(L1.reached,L2.reached,L3.reached,L4.reached),weights);
 result=vec4f(result.rgb,result.a*min(reached/gathered*1.001,1.0));
 }
 return result;
@@ -2417,20 +2417,20 @@ return result;
 fn BokehExactFirst(MapSamp:texture_2d<f32>,uv:vec2f,last:i32,polygon:BokehPolygon,
 settings:BokehSamplingSettings,BokehLinearClamp:sampler)->BokehTargets
 {
-let centerPixel:vec4f=BokehFetch(MapSamp,uv,BokehLinearClamp);
-let CoC:f32=centerPixel.a;
-var rays:bool=false;
+let centerPixel=BokehFetch(MapSamp,uv,BokehLinearClamp);
+let CoC=centerPixel.a;
+var rays=false;
 if(last < 4)
 {
 rays=polygon.sides==6;
 }
-let L1:BokehLine=BokehLineSum(MapSamp,uv,1,polygon,false,rays,CoC,settings,
+let L1=BokehLineSum(MapSamp,uv,1,polygon,false,rays,CoC,settings,
 BokehLinearClamp);
 var L2:BokehLine;
 L2.sum=vec4f(0.0,0.0,0.0,0.0);
 L2.reached=0.0;
-var L3:BokehLine=L2;
-var L4:BokehLine=L2;
+var L3=L2;
+var L4=L2;
 if(last > 2)
 {
 L2=BokehLineSum(MapSamp,uv,2,polygon,false,rays,CoC,settings,BokehLinearClamp);
@@ -2458,8 +2458,8 @@ return BokehExactFirst(MapSamp,uv,2,polygon,settings,BokehLinearClamp);
 fn BokehSquareSecond(Strip2Samp:texture_2d<f32>,uv:vec2f,polygon:BokehPolygon,
 settings:BokehSamplingSettings,BokehLinearClamp:sampler)->vec4f
 {
-let pixel:vec4f=BokehFetch(Strip2Samp,uv,BokehLinearClamp);
-let L2:BokehLine=BokehLineSum(Strip2Samp,uv,2,polygon,true,false,pixel.a,settings,
+let pixel=BokehFetch(Strip2Samp,uv,BokehLinearClamp);
+let L2=BokehLineSum(Strip2Samp,uv,2,polygon,true,false,pixel.a,settings,
 BokehLinearClamp);
 return BokehResolved(L2.sum,pixel);
 }
@@ -2471,10 +2471,10 @@ return BokehExactFirst(MapSamp,uv,3,polygon,settings,BokehLinearClamp);
 fn BokehHexagonSecond(Strip2Samp:texture_2d<f32>,Strip3Samp:texture_2d<f32>,uv:vec2f,
 polygon:BokehPolygon,settings:BokehSamplingSettings,BokehLinearClamp:sampler)->vec4f
 {
-let pixel:vec4f=BokehFetch(Strip2Samp,uv,BokehLinearClamp);
-let L2:BokehLine=BokehLineSum(Strip2Samp,uv,2,polygon,true,true,pixel.a,settings,
+let pixel=BokehFetch(Strip2Samp,uv,BokehLinearClamp);
+let L2=BokehLineSum(Strip2Samp,uv,2,polygon,true,true,pixel.a,settings,
 BokehLinearClamp);
-let L3:BokehLine=BokehLineSum(Strip3Samp,uv,3,polygon,true,true,pixel.a,settings,
+let L3=BokehLineSum(Strip3Samp,uv,3,polygon,true,true,pixel.a,settings,
 BokehLinearClamp);
 return BokehResolved(L2.sum+L3.sum,pixel);
 }
@@ -2487,12 +2487,12 @@ fn BokehOctagonSecond(Strip2Samp:texture_2d<f32>,Strip3Samp:texture_2d<f32>,
 Strip4Samp:texture_2d<f32>,uv:vec2f,polygon:BokehPolygon,settings:BokehSamplingSettings,
 BokehLinearClamp:sampler)->vec4f
 {
-let pixel:vec4f=BokehFetch(Strip2Samp,uv,BokehLinearClamp);
-let L2:BokehLine=BokehLineSum(Strip2Samp,uv,2,polygon,true,false,pixel.a,settings,
+let pixel=BokehFetch(Strip2Samp,uv,BokehLinearClamp);
+let L2=BokehLineSum(Strip2Samp,uv,2,polygon,true,false,pixel.a,settings,
 BokehLinearClamp);
-let L3:BokehLine=BokehLineSum(Strip3Samp,uv,3,polygon,true,false,pixel.a,settings,
+let L3=BokehLineSum(Strip3Samp,uv,3,polygon,true,false,pixel.a,settings,
 BokehLinearClamp);
-let L4:BokehLine=BokehLineSum(Strip4Samp,uv,4,polygon,true,false,pixel.a,settings,
+let L4=BokehLineSum(Strip4Samp,uv,4,polygon,true,false,pixel.a,settings,
 BokehLinearClamp);
 return BokehResolved(L2.sum+L3.sum+L4.sum,pixel);
 }
@@ -2505,14 +2505,14 @@ fn BokehDecagonSecond(Strip2Samp:texture_2d<f32>,Strip3Samp:texture_2d<f32>,
 Strip4Samp:texture_2d<f32>,Strip5Samp:texture_2d<f32>,uv:vec2f,polygon:BokehPolygon,
 settings:BokehSamplingSettings,BokehLinearClamp:sampler)->vec4f
 {
-let pixel:vec4f=BokehFetch(Strip2Samp,uv,BokehLinearClamp);
-let L2:BokehLine=BokehLineSum(Strip2Samp,uv,2,polygon,true,false,pixel.a,settings,
+let pixel=BokehFetch(Strip2Samp,uv,BokehLinearClamp);
+let L2=BokehLineSum(Strip2Samp,uv,2,polygon,true,false,pixel.a,settings,
 BokehLinearClamp);
-let L3:BokehLine=BokehLineSum(Strip3Samp,uv,3,polygon,true,false,pixel.a,settings,
+let L3=BokehLineSum(Strip3Samp,uv,3,polygon,true,false,pixel.a,settings,
 BokehLinearClamp);
-let L4:BokehLine=BokehLineSum(Strip4Samp,uv,4,polygon,true,false,pixel.a,settings,
+let L4=BokehLineSum(Strip4Samp,uv,4,polygon,true,false,pixel.a,settings,
 BokehLinearClamp);
-let L5:BokehLine=BokehLineSum(Strip5Samp,uv,5,polygon,true,false,pixel.a,settings,
+let L5=BokehLineSum(Strip5Samp,uv,5,polygon,true,false,pixel.a,settings,
 BokehLinearClamp);
 return BokehResolved(L2.sum+L3.sum+L4.sum+L5.sum,pixel);
 }
@@ -2536,19 +2536,19 @@ return vec2f(0.5*cos(angle)/aspectRatio,0.5*sin(angle));
 }
 fn BokehMakeOffsets(lineEnd:vec2f,i:i32,numSamples:i32)->vec2f
 {
-let last:i32=max(numSamples,2)-1;
-let t:f32=f32(2*i-last)/f32(last);
+let last=max(numSamples,2)-1;
+let t=f32(2*i-last)/f32(last);
 return lineEnd*t;
 }
 fn BokehSegment(angle:f32,lineLength:f32,lineCenter:vec2f,squeeze:f32)->vec4f
 {
-let halfLine:vec2f=vec2f(cos(angle),sin(angle))*0.5*lineLength;
+let halfLine=vec2f(cos(angle),sin(angle))*0.5*lineLength;
 return vec4f(lineCenter,halfLine)*vec4f(squeeze,1.0,squeeze,1.0);
 }
 fn BokehLeakageWeight(sampleDepth:f32,sampleCoC:f32,centerDepth:f32,centerCoC:f32,
 settings:BokehSamplingSettings)->f32
 {
-var weight:f32=1.0;
+var weight=1.0;
 if(sampleDepth < centerDepth&&centerCoC > sampleCoC+settings.bleedingBias)
 {
 weight=clamp(sampleCoC*settings.bleedingMult,0.0,1.0);
@@ -2557,7 +2557,7 @@ return weight;
 }
 fn BokehResolve(color:vec4f,totalWeight:f32,centerPixel:vec4f,blurCoC:bool)->vec4f
 {
-var result:vec4f=centerPixel;
+var result=centerPixel;
 if(totalWeight > 0.0)
 {
 result=color/totalWeight;
@@ -2572,17 +2572,17 @@ fn BokehDepthOfField(ColorSamp:texture_2d<f32>,DepthSamp:BokehDepthTexture,uv:ve
 lineEnd:vec2f,settings:BokehSamplingSettings,blurCoC:bool,
 BokehLinearClamp:sampler)->vec4f
 {
-let centerPixel:vec4f=BokehFetch(ColorSamp,uv,BokehLinearClamp);
-let centerDepth:f32=BokehPaperDepth(DepthSamp,uv);
-var color:vec4f=vec4f(0.0,0.0,0.0,0.0);
-var totalWeight:f32=0.0;
-for(var i:i32=0;i < BOKEH_PAPER_SAMPLES;i++)
+let centerPixel=BokehFetch(ColorSamp,uv,BokehLinearClamp);
+let centerDepth=BokehPaperDepth(DepthSamp,uv);
+var color=vec4f(0.0,0.0,0.0,0.0);
+var totalWeight=0.0;
+for(var i=0;i < BOKEH_PAPER_SAMPLES;i++)
 {
-let offset:vec2f=BokehMakeOffsets(lineEnd,i,BOKEH_PAPER_SAMPLES);
-let sampleCoords:vec2f=uv+offset*centerPixel.a;
-let samplePixel:vec4f=BokehFetch(ColorSamp,sampleCoords,BokehLinearClamp);
-let sampleDepth:f32=BokehFetchDepth(DepthSamp,BokehToTexture(sampleCoords));
-let weight:f32=BokehLeakageWeight(sampleDepth,samplePixel.a,centerDepth,centerPixel.a,
+let offset=BokehMakeOffsets(lineEnd,i,BOKEH_PAPER_SAMPLES);
+let sampleCoords=uv+offset*centerPixel.a;
+let samplePixel=BokehFetch(ColorSamp,sampleCoords,BokehLinearClamp);
+let sampleDepth=BokehFetchDepth(DepthSamp,BokehToTexture(sampleCoords));
+let weight=BokehLeakageWeight(sampleDepth,samplePixel.a,centerDepth,centerPixel.a,
 settings);
 color+=samplePixel*weight;
 totalWeight+=weight;
@@ -2593,31 +2593,31 @@ fn BokehDepthOfFieldAdaptive(ColorSamp:texture_2d<f32>,DepthSamp:BokehDepthTextu
 segment:vec4f,settings:BokehSamplingSettings,blurCoC:bool,
 BokehLinearClamp:sampler)->vec4f
 {
-let centerPixel:vec4f=BokehFetch(ColorSamp,uv,BokehLinearClamp);
-var result:vec4f=centerPixel;
-let CoC:f32=BokehFilterCoC(centerPixel.a,settings.imageHeight);
+let centerPixel=BokehFetch(ColorSamp,uv,BokehLinearClamp);
+var result=centerPixel;
+let CoC=BokehFilterCoC(centerPixel.a,settings.imageHeight);
 if(CoC > 0.0)
 {
-let centerDepth:f32=BokehPaperDepth(DepthSamp,uv);
-let lengthInPixels:f32=2.0*length(segment.zw)*CoC*settings.imageHeight;
-let samples:f32=BokehSampleCount(lengthInPixels,settings.spacing);
-let phase:f32=0.5+settings.jitter*clamp(lengthInPixels/samples-1.0,0.0,1.0);
-let scale:vec2f=vec2f(CoC/settings.aspectRatio,CoC);
-let first:vec2f=uv+(segment.xy-segment.zw)*scale;
-let sampleStep:vec2f=segment.zw*scale*(2.0/samples);
-var color:vec4f=vec4f(0.0,0.0,0.0,0.0);
-var totalWeight:f32=0.0;
-for(var i:i32=0;i < BOKEH_NUM_SAMPLES;i++)
+let centerDepth=BokehPaperDepth(DepthSamp,uv);
+let lengthInPixels=2.0*length(segment.zw)*CoC*settings.imageHeight;
+let samples=BokehSampleCount(lengthInPixels,settings.spacing);
+let phase=0.5+settings.jitter*clamp(lengthInPixels/samples-1.0,0.0,1.0);
+let scale=vec2f(CoC/settings.aspectRatio,CoC);
+let first=uv+(segment.xy-segment.zw)*scale;
+let sampleStep=segment.zw*scale*(2.0/samples);
+var color=vec4f(0.0,0.0,0.0,0.0);
+var totalWeight=0.0;
+for(var i=0;i < BOKEH_NUM_SAMPLES;i++)
 {
 if(BOKEH_SPACING > 0.0&&f32(i) >= samples)
 {
 break;
 }
-let part:f32=clamp(samples-f32(i),0.0,1.0);
-let sampleCoords:vec2f=first+sampleStep*(f32(i)+part*phase);
-let samplePixel:vec4f=BokehFetch(ColorSamp,sampleCoords,BokehLinearClamp);
-let sampleDepth:f32=BokehFetchDepth(DepthSamp,BokehToTexture(sampleCoords));
-let weight:f32=part*BokehLeakageWeight(sampleDepth,samplePixel.a,centerDepth,
+let part=clamp(samples-f32(i),0.0,1.0);
+let sampleCoords=first+sampleStep*(f32(i)+part*phase);
+let samplePixel=BokehFetch(ColorSamp,sampleCoords,BokehLinearClamp);
+let sampleDepth=BokehFetchDepth(DepthSamp,BokehToTexture(sampleCoords));
+let weight=part*BokehLeakageWeight(sampleDepth,samplePixel.a,centerDepth,
 centerPixel.a,settings);
 color+=samplePixel*weight;
 totalWeight+=weight;
@@ -2628,7 +2628,7 @@ return result;
 }
 fn BokehCombine(a:vec4f,b:vec4f,useMax:bool)->vec4f
 {
-var result:vec4f=min(a,b);
+var result=min(a,b);
 if(useMax)
 {
 result=max(a,b);
@@ -2639,7 +2639,7 @@ fn BokehDepthOfFieldFinal(ColorSamp:texture_2d<f32>,DepthSamp:BokehDepthTexture,
 CompareSamp:texture_2d<f32>,uv:vec2f,lineEnd:vec2f,settings:BokehSamplingSettings,
 blurCoC:bool,useMax:bool,BokehLinearClamp:sampler)->vec4f
 {
-let a:vec4f=BokehDepthOfField(ColorSamp,DepthSamp,uv,lineEnd,settings,blurCoC,
+let a=BokehDepthOfField(ColorSamp,DepthSamp,uv,lineEnd,settings,blurCoC,
 BokehLinearClamp);
 return BokehCombine(a,BokehFetch(CompareSamp,uv,BokehLinearClamp),useMax);
 }
@@ -2647,19 +2647,19 @@ fn BokehNaiveGather(ColorSamp:texture_2d<f32>,DepthSamp:BokehDepthTexture,
 KernelSamp:texture_2d<f32>,uv:vec2f,settings:BokehSamplingSettings,blurCoC:bool,
 BokehLinearClamp:sampler)->vec4f
 {
-let centerPixel:vec4f=BokehFetch(ColorSamp,uv,BokehLinearClamp);
-let centerDepth:f32=BokehPaperDepth(DepthSamp,uv);
-let scale:vec2f=vec2f(centerPixel.a/settings.aspectRatio,centerPixel.a);
-var color:vec4f=vec4f(0.0,0.0,0.0,0.0);
-var totalWeight:f32=0.0;
-for(var i:i32=0;i < BOKEH_PAPER_SAMPLES;i++)
+let centerPixel=BokehFetch(ColorSamp,uv,BokehLinearClamp);
+let centerDepth=BokehPaperDepth(DepthSamp,uv);
+let scale=vec2f(centerPixel.a/settings.aspectRatio,centerPixel.a);
+var color=vec4f(0.0,0.0,0.0,0.0);
+var totalWeight=0.0;
+for(var i=0;i < BOKEH_PAPER_SAMPLES;i++)
 {
-let offset:vec2f=BokehFetchTexel(KernelSamp,vec2f((f32(i)+0.5) /
+let offset=BokehFetchTexel(KernelSamp,vec2f((f32(i)+0.5) /
 f32(BOKEH_PAPER_SAMPLES),0.5)).rg;
-let sampleCoords:vec2f=uv+offset*scale;
-let samplePixel:vec4f=BokehFetch(ColorSamp,sampleCoords,BokehLinearClamp);
-let sampleDepth:f32=BokehFetchDepth(DepthSamp,BokehToTexture(sampleCoords));
-let weight:f32=BokehLeakageWeight(sampleDepth,samplePixel.a,centerDepth,centerPixel.a,
+let sampleCoords=uv+offset*scale;
+let samplePixel=BokehFetch(ColorSamp,sampleCoords,BokehLinearClamp);
+let sampleDepth=BokehFetchDepth(DepthSamp,BokehToTexture(sampleCoords));
+let weight=BokehLeakageWeight(sampleDepth,samplePixel.a,centerDepth,centerPixel.a,
 settings);
 color+=samplePixel*weight;
 totalWeight+=weight;
@@ -2670,20 +2670,20 @@ fn BokehNaiveGrid(ColorSamp:texture_2d<f32>,DepthSamp:BokehDepthTexture,uv:vec2f
 lineEndU:vec2f,lineEndV:vec2f,settings:BokehSamplingSettings,blurCoC:bool,
 BokehLinearClamp:sampler)->vec4f
 {
-let centerPixel:vec4f=BokehFetch(ColorSamp,uv,BokehLinearClamp);
-let centerDepth:f32=BokehPaperDepth(DepthSamp,uv);
-var color:vec4f=vec4f(0.0,0.0,0.0,0.0);
-var totalWeight:f32=0.0;
-for(var j:i32=0;j < BOKEH_PAPER_SAMPLES;j++)
+let centerPixel=BokehFetch(ColorSamp,uv,BokehLinearClamp);
+let centerDepth=BokehPaperDepth(DepthSamp,uv);
+var color=vec4f(0.0,0.0,0.0,0.0);
+var totalWeight=0.0;
+for(var j=0;j < BOKEH_PAPER_SAMPLES;j++)
 {
-let rowOffset:vec2f=BokehMakeOffsets(lineEndV,j,BOKEH_PAPER_SAMPLES);
-for(var i:i32=0;i < BOKEH_PAPER_SAMPLES;i++)
+let rowOffset=BokehMakeOffsets(lineEndV,j,BOKEH_PAPER_SAMPLES);
+for(var i=0;i < BOKEH_PAPER_SAMPLES;i++)
 {
-let offset:vec2f=rowOffset+BokehMakeOffsets(lineEndU,i,BOKEH_PAPER_SAMPLES);
-let sampleCoords:vec2f=uv+offset*centerPixel.a;
-let samplePixel:vec4f=BokehFetch(ColorSamp,sampleCoords,BokehLinearClamp);
-let sampleDepth:f32=BokehFetchDepth(DepthSamp,BokehToTexture(sampleCoords));
-let weight:f32=BokehLeakageWeight(sampleDepth,samplePixel.a,centerDepth,
+let offset=rowOffset+BokehMakeOffsets(lineEndU,i,BOKEH_PAPER_SAMPLES);
+let sampleCoords=uv+offset*centerPixel.a;
+let samplePixel=BokehFetch(ColorSamp,sampleCoords,BokehLinearClamp);
+let sampleDepth=BokehFetchDepth(DepthSamp,BokehToTexture(sampleCoords));
+let weight=BokehLeakageWeight(sampleDepth,samplePixel.a,centerDepth,
 centerPixel.a,settings);
 color+=samplePixel*weight;
 totalWeight+=weight;
@@ -2745,10 +2745,10 @@ return grid;
 }
 fn BokehGridCoords(place:vec2f,grid:BokehGrid)->vec2f
 {
-var coords:vec2f=place;
+var coords=place;
 if(BOKEH_VIEWPORT > 0)
 {
-let inset:vec2f=min(vec2f(0.5078125,0.5078125),grid.size*0.5);
+let inset=min(vec2f(0.5078125,0.5078125),grid.size*0.5);
 coords=grid.origin+clamp(place,inset,grid.size-inset);
 }
 return coords*grid.texel;
@@ -2761,7 +2761,7 @@ return BokehFetchTexture(tex,BokehGridCoords(place,grid),BokehLinearClamp);
 fn BokehFetchAround(tex:texture_2d<f32>,uv:vec2f,offset:vec2f,grid:BokehGrid,
 BokehLinearClamp:sampler)->vec4f
 {
-var coords:vec2f=uv+offset*grid.texel;
+var coords=uv+offset*grid.texel;
 if(BOKEH_VIEWPORT > 0)
 {
 coords=BokehGridCoords(uv*grid.size+offset,grid);
@@ -2774,7 +2774,7 @@ return max(max(color.r,color.g),color.b);
 }
 fn BokehLayerSlope(largest:f32,startCoC:f32,fullCoC:f32)->f32
 {
-let gate:f32=clamp((largest-startCoC)/(fullCoC-startCoC),0.001,1.0);
+let gate=clamp((largest-startCoC)/(fullCoC-startCoC),0.001,1.0);
 return 5.0/max(largest/gate,2.0);
 }
 fn BokehNearSlope(largest:f32)->f32
@@ -2792,17 +2792,17 @@ return clamp(CoC*slope-2.0,0.0,1.0);
 fn BokehTileMax(MapSamp:texture_2d<f32>,layers:BokehLayerContext,
 BokehLinearClamp:sampler)->vec4f
 {
-let first:vec2f=floor(layers.uv*ceil(layers.size/8.0))*8.0+vec2f(0.5,0.5);
-var found:vec3f=vec3f(0.0,0.0,0.0);
-for(var y:i32=0;y < 8;y++)
+let first=floor(layers.uv*ceil(layers.size/8.0))*8.0+vec2f(0.5,0.5);
+var found=vec3f(0.0,0.0,0.0);
+for(var y=0;y < 8;y++)
 {
-for(var x:i32=0;x < 8;x++)
+for(var x=0;x < 8;x++)
 {
-let place:vec2f=first+vec2f(f32(x),f32(y));
-let pixel:vec4f=BokehFetchGrid(MapSamp,place,BokehFullGrid(layers),
+let place=first+vec2f(f32(x),f32(y));
+let pixel=BokehFetchGrid(MapSamp,place,BokehFullGrid(layers),
 BokehLinearClamp);
-let s:f32=pixel.a*layers.size.y;
-let logBrightness:f32=log2(max(BokehBrightest(pixel.rgb),BOKEH_MIN_BRIGHTNESS));
+let s=pixel.a*layers.size.y;
+let logBrightness=log2(max(BokehBrightest(pixel.rgb),BOKEH_MIN_BRIGHTNESS));
 found=vec3f(max(found.r,-s),max(found.g,s),found.b+logBrightness);
 }
 }
@@ -2810,7 +2810,7 @@ return vec4f(min(found.r,BOKEH_MAX_COLOR),min(found.g,BOKEH_MAX_COLOR),found.b/6
 }
 fn BokehReaching(CoC:vec2f,tiles:f32)->vec2f
 {
-let share:vec2f=CoC/16.0+1.0-max(tiles-2.0,0.0);
+let share=CoC/16.0+1.0-max(tiles-2.0,0.0);
 return CoC*clamp(share,vec2f(0.0,0.0),vec2f(1.0,1.0));
 }
 fn BokehReachTiles(layers:BokehLayerContext)->f32
@@ -2820,18 +2820,18 @@ return min(ceil(layers.largest/16.0)+2.0,127.0);
 fn BokehTileDilate(TilesSamp:texture_2d<f32>,axis:vec2f,layers:BokehLayerContext,
 BokehLinearClamp:sampler)->vec4f
 {
-let grid:BokehGrid=BokehReducedGrid(layers,8.0);
-let radius:f32=BokehReachTiles(layers);
-var found:vec2f=vec2f(0.0,0.0);
-var logBrightness:f32=0.0;
-for(var i:i32=0;i < 255;i++)
+let grid=BokehReducedGrid(layers,8.0);
+let radius=BokehReachTiles(layers);
+var found=vec2f(0.0,0.0);
+var logBrightness=0.0;
+for(var i=0;i < 255;i++)
 {
-let tiles:f32=f32(i)-radius;
+let tiles=f32(i)-radius;
 if(tiles > radius)
 {
 break;
 }
-let tile:vec4f=BokehFetchGrid(TilesSamp,layers.uv*grid.size+axis*tiles,grid,
+let tile=BokehFetchGrid(TilesSamp,layers.uv*grid.size+axis*tiles,grid,
 BokehLinearClamp);
 found=max(found,BokehReaching(tile.rg,abs(tiles)));
 logBrightness+=tile.b;
@@ -2841,7 +2841,7 @@ return vec4f(found,logBrightness/(2.0*radius+1.0),1.0);
 fn BokehBlurWeights(a:vec4f,b:vec4f,c:vec4f,d:vec4f,inverseBrightness:f32,
 maxWeight:f32)->vec4f
 {
-let brightest:vec4f=vec4f(BokehBrightest(a.rgb),BokehBrightest(b.rgb),
+let brightest=vec4f(BokehBrightest(a.rgb),BokehBrightest(b.rgb),
 BokehBrightest(c.rgb),BokehBrightest(d.rgb));
 return min(0.01+brightest*inverseBrightness,vec4f(maxWeight,maxWeight,maxWeight,
 maxWeight));
@@ -2859,7 +2859,7 @@ return clamp(CoC*slope-2.0,vec4f(0.0,0.0,0.0,0.0),vec4f(1.0,1.0,1.0,1.0));
 }
 fn BokehSurroundings(found:vec4f,pixel:vec4f,nearWeight:f32,maxNearWeight:f32)->vec4f
 {
-var result:vec4f=vec4f(min(found.rgb,pixel.rgb),found.a);
+var result=vec4f(min(found.rgb,pixel.rgb),found.a);
 if(nearWeight < 0.5*maxNearWeight)
 {
 result=vec4f(found.rgb,max(found.a,BokehBrightest(pixel.rgb)));
@@ -2868,9 +2868,9 @@ return result;
 }
 fn BokehNearPixel(pixel:vec4f,nearWeight:f32,around:vec4f)->vec4f
 {
-var result:vec4f=vec4f(pixel.rgb,nearWeight);
-let brightest:f32=BokehBrightest(pixel.rgb);
-let limit:f32=BokehBrightest(around.rgb);
+var result=vec4f(pixel.rgb,nearWeight);
+let brightest=BokehBrightest(pixel.rgb);
+let limit=BokehBrightest(around.rgb);
 if(around.a > brightest)
 {
 result=vec4f(min(pixel.rgb,around.rgb),nearWeight);
@@ -2884,48 +2884,48 @@ return result;
 fn BokehPrefilter(MapSamp:texture_2d<f32>,DilatedTilesSamp:texture_2d<f32>,
 layers:BokehLayerContext,BokehLinearClamp:sampler)->BokehPrefiltered
 {
-let full:BokehGrid=BokehFullGrid(layers);
-let middle:vec2f=floor(layers.uv*ceil(layers.size/2.0))*2.0+vec2f(1.0,1.0);
-let tile:vec4f=BokehFetchGrid(DilatedTilesSamp,middle/8.0,BokehReducedGrid(layers,8.0),
+let full=BokehFullGrid(layers);
+let middle=floor(layers.uv*ceil(layers.size/2.0))*2.0+vec2f(1.0,1.0);
+let tile=BokehFetchGrid(DilatedTilesSamp,middle/8.0,BokehReducedGrid(layers,8.0),
 BokehLinearClamp);
-let nearSlope:f32=BokehNearSlope(tile.r);
-let farSlope:f32=BokehFarSlope(tile.g);
-let inverseBrightness:f32=exp2(-tile.b);
-let maxWeight:f32=500000.0/max(layers.largest,50.0);
-var a:vec4f=BokehFetchGrid(MapSamp,middle+vec2f(-0.5,-0.5),full,BokehLinearClamp);
-var b:vec4f=BokehFetchGrid(MapSamp,middle+vec2f(0.5,-0.5),full,BokehLinearClamp);
-var c:vec4f=BokehFetchGrid(MapSamp,middle+vec2f(-0.5,0.5),full,BokehLinearClamp);
-var d:vec4f=BokehFetchGrid(MapSamp,middle+vec2f(0.5,0.5),full,BokehLinearClamp);
-let s:vec4f=vec4f(a.a,b.a,c.a,d.a)*full.size.y;
-let nearWeights:vec4f=BokehLayerWeights(-s,nearSlope);
-let farWeights:vec4f=BokehLayerWeights(s,farSlope);
-let farSum:vec4f=vec4f(a.rgb,1.0)*farWeights.x+vec4f(b.rgb,1.0)*farWeights.y +
+let nearSlope=BokehNearSlope(tile.r);
+let farSlope=BokehFarSlope(tile.g);
+let inverseBrightness=exp2(-tile.b);
+let maxWeight=500000.0/max(layers.largest,50.0);
+var a=BokehFetchGrid(MapSamp,middle+vec2f(-0.5,-0.5),full,BokehLinearClamp);
+var b=BokehFetchGrid(MapSamp,middle+vec2f(0.5,-0.5),full,BokehLinearClamp);
+var c=BokehFetchGrid(MapSamp,middle+vec2f(-0.5,0.5),full,BokehLinearClamp);
+var d=BokehFetchGrid(MapSamp,middle+vec2f(0.5,0.5),full,BokehLinearClamp);
+let s=vec4f(a.a,b.a,c.a,d.a)*full.size.y;
+let nearWeights=BokehLayerWeights(-s,nearSlope);
+let farWeights=BokehLayerWeights(s,farSlope);
+let farSum=vec4f(a.rgb,1.0)*farWeights.x+vec4f(b.rgb,1.0)*farWeights.y +
 vec4f(c.rgb,1.0)*farWeights.z+vec4f(d.rgb,1.0)*farWeights.w;
-var weights:vec4f=farWeights*BokehBlurWeights(a,b,c,d,inverseBrightness,maxWeight);
-let one:vec4f=vec4f(1.0,1.0,1.0,1.0);
-var sums:vec4f=vec4f(0.0,0.0,dot(weights,s)/8.0,dot(weights,one));
-let nearGather:vec4f = -s*min(4.0-4.0*nearWeights,one);
-let farGather:vec4f=s*min(4.0-4.0*farWeights,one);
-let gatherCoC:vec2f=max(max(vec2f(nearGather.x,farGather.x),vec2f(nearGather.y,
+var weights=farWeights*BokehBlurWeights(a,b,c,d,inverseBrightness,maxWeight);
+let one=vec4f(1.0,1.0,1.0,1.0);
+var sums=vec4f(0.0,0.0,dot(weights,s)/8.0,dot(weights,one));
+let nearGather = -s*min(4.0-4.0*nearWeights,one);
+let farGather=s*min(4.0-4.0*farWeights,one);
+let gatherCoC=max(max(vec2f(nearGather.x,farGather.x),vec2f(nearGather.y,
 farGather.y)),max(vec2f(nearGather.z,farGather.z),vec2f(nearGather.w,farGather.w)));
-let maxNearWeight:f32=max(max(nearWeights.x,nearWeights.y),max(nearWeights.z,
+let maxNearWeight=max(max(nearWeights.x,nearWeights.y),max(nearWeights.z,
 nearWeights.w));
-var nearSum:vec4f=vec4f(0.0,0.0,0.0,0.0);
+var nearSum=vec4f(0.0,0.0,0.0,0.0);
 if(maxNearWeight > 0.0)
 {
-var around:vec4f=vec4f(BOKEH_MAX_COLOR,BOKEH_MAX_COLOR,BOKEH_MAX_COLOR,0.0);
+var around=vec4f(BOKEH_MAX_COLOR,BOKEH_MAX_COLOR,BOKEH_MAX_COLOR,0.0);
 around=BokehSurroundings(around,a,nearWeights.x,maxNearWeight);
 around=BokehSurroundings(around,b,nearWeights.y,maxNearWeight);
 around=BokehSurroundings(around,c,nearWeights.z,maxNearWeight);
 around=BokehSurroundings(around,d,nearWeights.w,maxNearWeight);
-for(var y:i32=0;y < 4;y++)
+for(var y=0;y < 4;y++)
 {
-for(var x:i32=0;x < 4;x++)
+for(var x=0;x < 4;x++)
 {
-let offset:vec2f=vec2f(f32(x)-1.5,f32(y)-1.5);
+let offset=vec2f(f32(x)-1.5,f32(y)-1.5);
 if((abs(offset.x)-abs(offset.y))*offset.x*offset.y > 0.5)
 {
-let pixel:vec4f=BokehFetchGrid(MapSamp,middle+offset,full,
+let pixel=BokehFetchGrid(MapSamp,middle+offset,full,
 BokehLinearClamp);
 around=BokehSurroundings(around,pixel,BokehLayerWeight(-pixel.a *
 full.size.y,nearSlope),maxNearWeight);
@@ -2945,7 +2945,7 @@ sums=vec4f(-dot(weights,s)/8.0,dot(weights,one),sums.z,sums.w);
 var targets:BokehPrefiltered;
 targets.nearLayer=nearSum*0.25;
 targets.farLayer=farSum*0.25;
-let maxValue:f32=BOKEH_MAX_COLOR;
+let maxValue=BOKEH_MAX_COLOR;
 targets.layerCoCSums=min(sums*0.25,vec4f(maxValue,maxValue,maxValue,maxValue));
 targets.gatherCoC=vec4f(clamp(gatherCoC,vec2f(0.0,0.0),vec2f(maxValue,maxValue)),0.0,
 1.0);
@@ -2959,15 +2959,15 @@ sums:vec4f,
 fn BokehLayerCoCReduce(SumsSamp:texture_2d<f32>,GatherCoCSamp:texture_2d<f32>,
 layers:BokehLayerContext,BokehLinearClamp:sampler)->BokehTileSums
 {
-let halves:BokehGrid=BokehReducedGrid(layers,2.0);
-let first:vec2f=floor(layers.uv*ceil(layers.size/8.0))*4.0+vec2f(0.5,0.5);
-var sums:vec4f=vec4f(0.0,0.0,0.0,0.0);
-var gatherCoC:vec2f=vec2f(0.0,0.0);
-for(var y:i32=0;y < 4;y++)
+let halves=BokehReducedGrid(layers,2.0);
+let first=floor(layers.uv*ceil(layers.size/8.0))*4.0+vec2f(0.5,0.5);
+var sums=vec4f(0.0,0.0,0.0,0.0);
+var gatherCoC=vec2f(0.0,0.0);
+for(var y=0;y < 4;y++)
 {
-for(var x:i32=0;x < 4;x++)
+for(var x=0;x < 4;x++)
 {
-let place:vec2f=first+vec2f(f32(x),f32(y));
+let place=first+vec2f(f32(x),f32(y));
 sums+=BokehFetchGrid(SumsSamp,place,halves,BokehLinearClamp);
 gatherCoC=max(gatherCoC,BokehFetchGrid(GatherCoCSamp,place,halves,
 BokehLinearClamp).rg);
@@ -2982,23 +2982,23 @@ fn BokehLayerCoCAlong(GatherCoCSamp:texture_2d<f32>,SumsSamp:texture_2d<f32>,
 DilatedTilesSamp:texture_2d<f32>,axis:vec2f,layers:BokehLayerContext,
 BokehLinearClamp:sampler)->BokehTileSums
 {
-let grid:BokehGrid=BokehReducedGrid(layers,8.0);
-let tile:vec2f=BokehFetchGrid(DilatedTilesSamp,layers.uv*grid.size,grid,
+let grid=BokehReducedGrid(layers,8.0);
+let tile=BokehFetchGrid(DilatedTilesSamp,layers.uv*grid.size,grid,
 BokehLinearClamp).rg;
-let sigma:vec2f=max(tile*0.0375,vec2f(0.6,0.6));
-let radius:f32=BokehReachTiles(layers);
-var sums:vec4f=vec4f(0.0,0.0,0.0,0.0);
-var gatherCoC:vec2f=vec2f(0.0,0.0);
-var total:vec2f=vec2f(0.0,0.0);
-for(var i:i32=0;i < 255;i++)
+let sigma=max(tile*0.0375,vec2f(0.6,0.6));
+let radius=BokehReachTiles(layers);
+var sums=vec4f(0.0,0.0,0.0,0.0);
+var gatherCoC=vec2f(0.0,0.0);
+var total=vec2f(0.0,0.0);
+for(var i=0;i < 255;i++)
 {
-let tiles:f32=f32(i)-radius;
+let tiles=f32(i)-radius;
 if(tiles > radius)
 {
 break;
 }
-let place:vec2f=layers.uv*grid.size+axis*tiles;
-let weight:vec2f=exp(-0.5*tiles*tiles/(sigma*sigma));
+let place=layers.uv*grid.size+axis*tiles;
+let weight=exp(-0.5*tiles*tiles/(sigma*sigma));
 sums+=BokehFetchGrid(SumsSamp,place,grid,BokehLinearClamp)*vec4f(weight.x,weight.x,
 weight.y,weight.y);
 gatherCoC=max(gatherCoC,BokehReaching(BokehFetchGrid(GatherCoCSamp,place,grid,
@@ -3026,13 +3026,13 @@ fn BokehLayerCoCColumns(GatherCoCSamp:texture_2d<f32>,SumsSamp:texture_2d<f32>,
 DilatedTilesSamp:texture_2d<f32>,layers:BokehLayerContext,
 BokehLinearClamp:sampler)->BokehLayerCoCTargets
 {
-let grid:BokehGrid=BokehReducedGrid(layers,8.0);
-let tile:vec2f=BokehFetchGrid(DilatedTilesSamp,layers.uv*grid.size,grid,
+let grid=BokehReducedGrid(layers,8.0);
+let tile=BokehFetchGrid(DilatedTilesSamp,layers.uv*grid.size,grid,
 BokehLinearClamp).rg;
-let tileSums:BokehTileSums=BokehLayerCoCAlong(GatherCoCSamp,SumsSamp,DilatedTilesSamp,
+let tileSums=BokehLayerCoCAlong(GatherCoCSamp,SumsSamp,DilatedTilesSamp,
 vec2f(0.0,1.0),layers,BokehLinearClamp);
-let sums:vec4f=tileSums.sums;
-var layerCoC:vec2f=vec2f(0.0,0.0);
+let sums=tileSums.sums;
+var layerCoC=vec2f(0.0,0.0);
 if(sums.g > 0.0001&&tile.r > 6.0)
 {
 layerCoC=vec2f(8.0*sums.r/sums.g,0.0);
@@ -3049,7 +3049,7 @@ return targets;
 fn BokehLayerCoC(LayerCoCSamp:texture_2d<f32>,layers:BokehLayerContext,
 BokehLinearClamp:sampler)->vec2f
 {
-let place:vec2f=layers.uv*ceil(layers.size/2.0)/4.0;
+let place=layers.uv*ceil(layers.size/2.0)/4.0;
 return BokehFetchGrid(LayerCoCSamp,place,BokehReducedGrid(layers,8.0),BokehLinearClamp).rg;
 }
 struct BokehBlur
@@ -3061,17 +3061,17 @@ sideTap:f32,
 }
 fn BokehLayerBlur(layerCoC:vec2f,isFar:bool,polygon:BokehPolygon)->BokehBlur
 {
-var CoC:f32=0.5*layerCoC.r;
-var minSpacing:f32=1.5;
-var selfBlur:f32=9.0;
+var CoC=0.5*layerCoC.r;
+var minSpacing=1.5;
+var selfBlur=9.0;
 if(isFar)
 {
 CoC=0.5*layerCoC.g;
 minSpacing=1.15;
 selfBlur=clamp(0.06*CoC*CoC,7.5,22.0);
 }
-var spacing:f32=0.5*CoC/f32(BOKEH_LAYER_SAMPLES);
-var hard:f32=0.4;
+var spacing=0.5*CoC/f32(BOKEH_LAYER_SAMPLES);
+var hard=0.4;
 if(polygon.sides < 6)
 {
 spacing=0.354*CoC/f32(BOKEH_LAYER_SAMPLES);
@@ -3092,16 +3092,16 @@ return blur;
 fn BokehQuarterLayer(LayerSamp:texture_2d<f32>,center:vec2f,side:f32,
 layers:BokehLayerContext,BokehLinearClamp:sampler)->vec4f
 {
-let halves:BokehGrid=BokehReducedGrid(layers,2.0);
-var sum:vec4f=vec4f(0.0,0.0,0.0,0.0);
+let halves=BokehReducedGrid(layers,2.0);
+var sum=vec4f(0.0,0.0,0.0,0.0);
 if(side > 0.0)
 {
-for(var y:i32=0;y < 3;y++)
+for(var y=0;y < 3;y++)
 {
-for(var x:i32=0;x < 3;x++)
+for(var x=0;x < 3;x++)
 {
-let offset:vec2f=vec2f(f32(x)-1.0,f32(y)-1.0);
-let weight:vec2f=1.0-(1.0-side)*abs(offset);
+let offset=vec2f(f32(x)-1.0,f32(y)-1.0);
+let weight=1.0-(1.0-side)*abs(offset);
 sum+=BokehFetchGrid(LayerSamp,center+2.0*offset,halves,BokehLinearClamp) *
 (weight.x*weight.y);
 }
@@ -3125,38 +3125,38 @@ fn BokehDownsample(MapSamp:texture_2d<f32>,DilatedTilesSamp:texture_2d<f32>,
 NearSamp:texture_2d<f32>,FarSamp:texture_2d<f32>,LayerCoCSamp:texture_2d<f32>,
 polygon:BokehPolygon,layers:BokehLayerContext,BokehLinearClamp:sampler)->BokehDownsampled
 {
-let full:BokehGrid=BokehFullGrid(layers);
-let first:vec2f=floor(layers.uv*ceil(layers.size/4.0))*4.0+vec2f(0.5,0.5);
-let middlePlace:vec2f=first+vec2f(1.5,1.5);
-let tile:vec4f=BokehFetchGrid(DilatedTilesSamp,middlePlace/8.0,BokehReducedGrid(layers,
+let full=BokehFullGrid(layers);
+let first=floor(layers.uv*ceil(layers.size/4.0))*4.0+vec2f(0.5,0.5);
+let middlePlace=first+vec2f(1.5,1.5);
+let tile=BokehFetchGrid(DilatedTilesSamp,middlePlace/8.0,BokehReducedGrid(layers,
 8.0),BokehLinearClamp);
-let nearSlope:f32=BokehNearSlope(tile.r);
-let farSlope:f32=BokehFarSlope(tile.g);
-let inverseBrightness:f32=exp2(-tile.b);
-var mid:vec4f=vec4f(0.0,0.0,0.0,0.0);
-var far:vec4f=vec4f(0.0,0.0,0.0,0.0);
-for(var y:i32=0;y < 4;y++)
+let nearSlope=BokehNearSlope(tile.r);
+let farSlope=BokehFarSlope(tile.g);
+let inverseBrightness=exp2(-tile.b);
+var mid=vec4f(0.0,0.0,0.0,0.0);
+var far=vec4f(0.0,0.0,0.0,0.0);
+for(var y=0;y < 4;y++)
 {
-for(var x:i32=0;x < 4;x++)
+for(var x=0;x < 4;x++)
 {
-let place:vec2f=first+vec2f(f32(x),f32(y));
-let pixel:vec4f=BokehFetchGrid(MapSamp,place,full,BokehLinearClamp);
-let s:f32=pixel.a*full.size.y;
-let nearWeight:f32=BokehLayerWeight(-s,nearSlope);
-let notNear:f32=max(1.0-2.0*nearWeight,0.0625-0.0625*nearWeight);
-let farWeight:f32=BokehLayerWeight(s,farSlope);
-let weight:f32=notNear/(1.0+BokehBrightest(pixel.rgb)*inverseBrightness);
+let place=first+vec2f(f32(x),f32(y));
+let pixel=BokehFetchGrid(MapSamp,place,full,BokehLinearClamp);
+let s=pixel.a*full.size.y;
+let nearWeight=BokehLayerWeight(-s,nearSlope);
+let notNear=max(1.0-2.0*nearWeight,0.0625-0.0625*nearWeight);
+let farWeight=BokehLayerWeight(s,farSlope);
+let weight=notNear/(1.0+BokehBrightest(pixel.rgb)*inverseBrightness);
 mid+=vec4f(pixel.rgb,1.0)*(weight*(1.0-farWeight));
 far+=vec4f(pixel.rgb,1.0)*(weight*farWeight);
 }
 }
-let center:vec2f=0.5*middlePlace;
-let layerCoC:vec2f=BokehLayerCoC(LayerCoCSamp,layers,BokehLinearClamp);
+let center=0.5*middlePlace;
+let layerCoC=BokehLayerCoC(LayerCoCSamp,layers,BokehLinearClamp);
 var targets:BokehDownsampled;
 targets.midWithHoles=mid/16.0;
 targets.farWithHoles=far/16.0;
-let nearBlur:BokehBlur=BokehLayerBlur(layerCoC,false,polygon);
-let farBlur:BokehBlur=BokehLayerBlur(layerCoC,true,polygon);
+let nearBlur=BokehLayerBlur(layerCoC,false,polygon);
+let farBlur=BokehLayerBlur(layerCoC,true,polygon);
 targets.nearQuarter=BokehQuarterLayer(NearSamp,center,nearBlur.sideTap,layers,
 BokehLinearClamp);
 targets.farQuarter=BokehQuarterLayer(FarSamp,center,farBlur.sideTap,layers,
@@ -3165,7 +3165,7 @@ return targets;
 }
 fn BokehEdgeDirection(k:i32,polygon:BokehPolygon)->vec2f
 {
-let outwards:vec2f=BokehTurn(f32(k),polygon);
+let outwards=BokehTurn(f32(k),polygon);
 return BokehRotated(vec2f(-outwards.y,outwards.x),polygon.axis);
 }
 fn BokehSamplesPerEdge(ring:i32,polygon:BokehPolygon)->i32
@@ -3186,36 +3186,36 @@ fn BokehHoleFill(MidSamp:texture_2d<f32>,FarSamp:texture_2d<f32>,
 DilatedTilesSamp:texture_2d<f32>,polygon:BokehPolygon,layers:BokehLayerContext,
 BokehLinearClamp:sampler)->BokehFilled
 {
-let grid:BokehGrid=BokehReducedGrid(layers,4.0);
-let center:vec2f=layers.uv*grid.size;
-let tile:vec4f=BokehFetchGrid(DilatedTilesSamp,center/2.0,BokehReducedGrid(layers,8.0),
+let grid=BokehReducedGrid(layers,4.0);
+let center=layers.uv*grid.size;
+let tile=BokehFetchGrid(DilatedTilesSamp,center/2.0,BokehReducedGrid(layers,8.0),
 BokehLinearClamp);
-let nearCoC:f32=tile.r;
-let inverseBrightness:f32=exp2(-tile.b);
-var corner:vec2f=BokehRotated(polygon.corner,polygon.axis);
-var direction:vec2f=BokehEdgeDirection(1,polygon);
-let turn:vec2f=BokehTurn(1.0,polygon);
-var mid:vec4f=BokehFetchGrid(MidSamp,center,grid,BokehLinearClamp);
-var far:vec4f=BokehFetchGrid(FarSamp,center,grid,BokehLinearClamp);
-var weights:vec2f=BokehHoleWeights(mid,far,inverseBrightness);
-for(var ring:i32=0;ring < 3;ring++)
+let nearCoC=tile.r;
+let inverseBrightness=exp2(-tile.b);
+var corner=BokehRotated(polygon.corner,polygon.axis);
+var direction=BokehEdgeDirection(1,polygon);
+let turn=BokehTurn(1.0,polygon);
+var mid=BokehFetchGrid(MidSamp,center,grid,BokehLinearClamp);
+var far=BokehFetchGrid(FarSamp,center,grid,BokehLinearClamp);
+var weights=BokehHoleWeights(mid,far,inverseBrightness);
+for(var ring=0;ring < 3;ring++)
 {
 if(nearCoC < 6.0)
 {
 break;
 }
-let diameter:f32=max(nearCoC/8.0,2.0)*exp2(1.5*f32(ring)-2.0);
-let weight:f32=1.0/(1.0+4.0*diameter*diameter*diameter);
-let scale:vec2f=vec2f(polygon.squeeze*diameter,diameter);
-let onEdge:i32=BokehSamplesPerEdge(1,polygon);
-for(var edge:i32=1;edge <= polygon.sides;edge++)
+let diameter=max(nearCoC/8.0,2.0)*exp2(1.5*f32(ring)-2.0);
+let weight=1.0/(1.0+4.0*diameter*diameter*diameter);
+let scale=vec2f(polygon.squeeze*diameter,diameter);
+let onEdge=BokehSamplesPerEdge(1,polygon);
+for(var edge=1;edge <= polygon.sides;edge++)
 {
-let along:vec2f=direction*(BokehEdgeLength(edge,polygon)/f32(onEdge));
-for(var i:i32=0;i < onEdge;i++)
+let along=direction*(BokehEdgeLength(edge,polygon)/f32(onEdge));
+for(var i=0;i < onEdge;i++)
 {
-let place:vec2f=center+corner*scale;
-let midTexel:vec4f=BokehFetchGrid(MidSamp,place,grid,BokehLinearClamp);
-let farTexel:vec4f=BokehFetchGrid(FarSamp,place,grid,BokehLinearClamp);
+let place=center+corner*scale;
+let midTexel=BokehFetchGrid(MidSamp,place,grid,BokehLinearClamp);
+let farTexel=BokehFetchGrid(FarSamp,place,grid,BokehLinearClamp);
 mid+=midTexel*weight;
 far+=farTexel*weight;
 weights+=BokehHoleWeights(midTexel,farTexel,inverseBrightness)*weight;
@@ -3224,8 +3224,8 @@ corner+=along;
 direction=BokehRotated(direction,turn);
 }
 }
-let both:vec3f=(mid.rgb+far.rgb)/max(mid.a+far.a,0.000001);
-let midWeight:f32=weights.r/max(weights.r+weights.g,0.000001);
+let both=(mid.rgb+far.rgb)/max(mid.a+far.a,0.000001);
+let midWeight=weights.r/max(weights.r+weights.g,0.000001);
 var targets:BokehFilled;
 targets.midFill=vec4f(both,midWeight);
 targets.farFill=vec4f(both,1.0);
@@ -3243,24 +3243,24 @@ fn BokehLayerLine(tex:texture_2d<f32>,QuarterSamp:texture_2d<f32>,k:i32,polygon:
 secondPass:bool,blur:BokehBlur,layers:BokehLayerContext,
 BokehLinearClamp:sampler)->vec4f
 {
-var scale:f32=2.0;
+var scale=2.0;
 if(blur.useQuarterLayer)
 {
 scale=4.0;
 }
-let grid:BokehGrid=BokehReducedGrid(layers,scale);
-let segment:vec4f=BokehEdgeLine(k,polygon,secondPass)*blur.CoC;
-let samples:f32=max(2.0*length(segment.zw)/blur.spacing,2.0);
-let phase:f32=0.5+layers.jitter*min(blur.spacing-1.0,1.0);
-let first:vec2f=(layers.uv*ceil(layers.size/2.0)+segment.xy-segment.zw)*(2.0 /
+let grid=BokehReducedGrid(layers,scale);
+let segment=BokehEdgeLine(k,polygon,secondPass)*blur.CoC;
+let samples=max(2.0*length(segment.zw)/blur.spacing,2.0);
+let phase=0.5+layers.jitter*min(blur.spacing-1.0,1.0);
+let first=(layers.uv*ceil(layers.size/2.0)+segment.xy-segment.zw)*(2.0 /
 scale);
-let sampleStep:vec2f=segment.zw*(4.0/(scale*samples));
-var sum:vec4f=vec4f(0.0,0.0,0.0,0.0);
-for(var i:i32=0;i < i32(ceil(samples));i++)
+let sampleStep=segment.zw*(4.0/(scale*samples));
+var sum=vec4f(0.0,0.0,0.0,0.0);
+for(var i=0;i < i32(ceil(samples));i++)
 {
-let part:f32=clamp(samples-f32(i),0.0,1.0);
-let place:vec2f=first+sampleStep*(f32(i)+part*phase);
-var texel:vec4f=vec4f(0.0,0.0,0.0,0.0);
+let part=clamp(samples-f32(i),0.0,1.0);
+let place=first+sampleStep*(f32(i)+part*phase);
+var texel=vec4f(0.0,0.0,0.0,0.0);
 if(blur.useQuarterLayer)
 {
 texel=BokehFetchGrid(QuarterSamp,place,grid,BokehLinearClamp);
@@ -3281,23 +3281,23 @@ return sum;
 fn BokehLayerTarget(k:i32,polygon:BokehPolygon,L1:vec4f,L2:vec4f,L3:vec4f,
 L4:vec4f)->vec4f
 {
-let w:vec4f=BokehEdgeWeights(k,polygon);
+let w=BokehEdgeWeights(k,polygon);
 return (L1*w.x+L2*w.y+L3*w.z+L4*w.w)/(w.x+w.y+w.z+w.w);
 }
 fn BokehLayerFirst(LayerSamp:texture_2d<f32>,QuarterSamp:texture_2d<f32>,layerCoC:vec2f,
 isFar:bool,last:i32,polygon:BokehPolygon,layers:BokehLayerContext,
 BokehLinearClamp:sampler)->BokehTargets
 {
-let center:vec2f=layers.uv*ceil(layers.size/2.0);
-let zero:vec4f=vec4f(0.0,0.0,0.0,0.0);
+let center=layers.uv*ceil(layers.size/2.0);
+let zero=vec4f(0.0,0.0,0.0,0.0);
 var targets:BokehTargets;
-let blur:BokehBlur=BokehLayerBlur(layerCoC,isFar,polygon);
+let blur=BokehLayerBlur(layerCoC,isFar,polygon);
 if(blur.CoC > 0.51)
 {
-var L2:vec4f=zero;
-var L3:vec4f=zero;
-var L4:vec4f=zero;
-let L1:vec4f=BokehLayerLine(LayerSamp,QuarterSamp,1,polygon,false,blur,layers,
+var L2=zero;
+var L3=zero;
+var L4=zero;
+let L1=BokehLayerLine(LayerSamp,QuarterSamp,1,polygon,false,blur,layers,
 BokehLinearClamp);
 if(last > 2)
 {
@@ -3333,9 +3333,9 @@ fn BokehLayerSecond(Strip2Samp:texture_2d<f32>,Strip3Samp:texture_2d<f32>,
 Strip4Samp:texture_2d<f32>,Strip5Samp:texture_2d<f32>,layerCoC:vec2f,isFar:bool,
 polygon:BokehPolygon,layers:BokehLayerContext,BokehLinearClamp:sampler)->vec4f
 {
-let center:vec2f=layers.uv*ceil(layers.size/2.0);
-var result:vec4f=vec4f(0.0,0.0,0.0,0.0);
-var blur:BokehBlur=BokehLayerBlur(layerCoC,isFar,polygon);
+let center=layers.uv*ceil(layers.size/2.0);
+var result=vec4f(0.0,0.0,0.0,0.0);
+var blur=BokehLayerBlur(layerCoC,isFar,polygon);
 blur.useQuarterLayer=false;
 if(blur.CoC > 0.51)
 {
@@ -3377,10 +3377,10 @@ FarSamp:texture_2d<f32>,FarQuarterSamp:texture_2d<f32>,layerCoC:vec2f,
 polygon:BokehPolygon,layers:BokehLayerContext,
 BokehLinearClamp:sampler)->BokehLayersTargets
 {
-let last:i32=polygon.sides/2;
-let near:BokehTargets=BokehLayerFirst(NearSamp,NearQuarterSamp,layerCoC,false,last,
+let last=polygon.sides/2;
+let near=BokehLayerFirst(NearSamp,NearQuarterSamp,layerCoC,false,last,
 polygon,layers,BokehLinearClamp);
-let far:BokehTargets=BokehLayerFirst(FarSamp,FarQuarterSamp,layerCoC,true,last,polygon,
+let far=BokehLayerFirst(FarSamp,FarQuarterSamp,layerCoC,true,last,polygon,
 layers,BokehLinearClamp);
 var targets:BokehLayersTargets;
 targets.nearStrip2=near.strip2;
@@ -3408,27 +3408,27 @@ return targets;
 fn BokehFetchLayer(LayerSamp:texture_2d<f32>,place:vec2f,halves:BokehGrid,
 BokehLinearClamp:sampler)->vec4f
 {
-var result:vec4f=vec4f(0.0,0.0,0.0,0.0);
+var result=vec4f(0.0,0.0,0.0,0.0);
 if(BOKEH_LAYER_CUBIC > 0)
 {
-let texel:vec2f=floor(place-0.5)+0.5;
-let f:vec2f=place-texel;
-let w0:vec2f=f*(f*(1.0-0.5*f)-0.5);
-let w2:vec2f=f*(f*(2.0-1.5*f)+0.5);
-let w3:vec2f=f*f*(0.5*f-0.5);
-let w12:vec2f=1.0-w0-w3;
-let inner:vec2f=texel+w2/w12;
-let c:vec4f=BokehFetchGrid(LayerSamp,inner,halves,BokehLinearClamp);
-let l:vec4f=BokehFetchGrid(LayerSamp,vec2f(texel.x-1.0,inner.y),halves,
+let texel=floor(place-0.5)+0.5;
+let f=place-texel;
+let w0=f*(f*(1.0-0.5*f)-0.5);
+let w2=f*(f*(2.0-1.5*f)+0.5);
+let w3=f*f*(0.5*f-0.5);
+let w12=1.0-w0-w3;
+let inner=texel+w2/w12;
+let c=BokehFetchGrid(LayerSamp,inner,halves,BokehLinearClamp);
+let l=BokehFetchGrid(LayerSamp,vec2f(texel.x-1.0,inner.y),halves,
 BokehLinearClamp);
-let r:vec4f=BokehFetchGrid(LayerSamp,vec2f(texel.x+2.0,inner.y),halves,
+let r=BokehFetchGrid(LayerSamp,vec2f(texel.x+2.0,inner.y),halves,
 BokehLinearClamp);
-let t:vec4f=BokehFetchGrid(LayerSamp,vec2f(inner.x,texel.y-1.0),halves,
+let t=BokehFetchGrid(LayerSamp,vec2f(inner.x,texel.y-1.0),halves,
 BokehLinearClamp);
-let b:vec4f=BokehFetchGrid(LayerSamp,vec2f(inner.x,texel.y+2.0),halves,
+let b=BokehFetchGrid(LayerSamp,vec2f(inner.x,texel.y+2.0),halves,
 BokehLinearClamp);
-let side:vec2f=w12.yx/(w12.x*w12.y+(w0.x+w3.x)*w12.y+(w0.y+w3.y)*w12.x);
-let sum:vec4f=c*(w12.x*side.x)+l*(w0.x*side.x)+r*(w3.x*side.x)+t *
+let side=w12.yx/(w12.x*w12.y+(w0.x+w3.x)*w12.y+(w0.y+w3.y)*w12.x);
+let sum=c*(w12.x*side.x)+l*(w0.x*side.x)+r*(w3.x*side.x)+t *
 (w0.y*side.y)+b*(w3.y*side.y);
 result=clamp(sum,min(min(c,min(l,r)),min(t,b)),max(max(c,max(l,r)),max(t,b)));
 }
@@ -3440,7 +3440,7 @@ return result;
 }
 fn BokehSpreadInverse(CoC:vec2f)->vec2f
 {
-let inverse:vec2f=1.0/max(CoC*CoC,vec2f(0.000001,0.000001));
+let inverse=1.0/max(CoC*CoC,vec2f(0.000001,0.000001));
 return inverse*(inverse*9.6+4.0);
 }
 struct BokehRingLayout
@@ -3451,7 +3451,7 @@ narrowing:f32,
 }
 fn BokehRingBorder(ring:i32,rings:BokehRingLayout)->f32
 {
-let even:f32=rings.spacing*(f32(ring)+0.5);
+let even=rings.spacing*(f32(ring)+0.5);
 return max(even+even*(even/rings.radius-1.0)*rings.narrowing,min(even,f32(ring) +
 0.5));
 }
@@ -3472,52 +3472,52 @@ fn BokehGatherRing(before:BokehGather,MapSamp:texture_2d<f32>,ring:i32,onEdge:i3
 outer:f32,polygon:BokehPolygon,layers:BokehLayerContext,
 BokehLinearClamp:sampler)->BokehGather
 {
-var gather:BokehGather=before;
-let full:BokehGrid=BokehFullGrid(layers);
-let zero:vec2f=vec2f(0.0,0.0);
-let one:vec2f=vec2f(1.0,1.0);
-let outwards:f32=0.58-0.04*f32(BOKEH_LAYER_RINGS);
-let current:f32=gather.inner+(outer-gather.inner)*outwards;
-let innerSquare:f32=gather.inner*gather.inner;
-let area:f32=outer*outer-innerSquare;
-var phase:f32=layers.jitter*clamp(current/f32(ring)-1.0,0.0,1.0);
+var gather=before;
+let full=BokehFullGrid(layers);
+let zero=vec2f(0.0,0.0);
+let one=vec2f(1.0,1.0);
+let outwards=0.58-0.04*f32(BOKEH_LAYER_RINGS);
+let current=gather.inner+(outer-gather.inner)*outwards;
+let innerSquare=gather.inner*gather.inner;
+let area=outer*outer-innerSquare;
+var phase=layers.jitter*clamp(current/f32(ring)-1.0,0.0,1.0);
 if(ring != 2)
 {
 phase+=0.5;
 }
-let right:vec2f=vec2f(polygon.axis.x*polygon.squeeze,polygon.axis.y)*current;
-let upwards:vec2f=vec2f(-polygon.axis.y*polygon.squeeze,polygon.axis.x)*current;
-var corner:vec2f=polygon.corner*2.0;
-let turn:vec2f=BokehTurn(1.0,polygon);
-var direction:vec2f=vec2f(-turn.y,turn.x)*2.0;
-for(var edge:i32=1;edge <= polygon.sides/2;edge++)
+let right=vec2f(polygon.axis.x*polygon.squeeze,polygon.axis.y)*current;
+let upwards=vec2f(-polygon.axis.y*polygon.squeeze,polygon.axis.x)*current;
+var corner=polygon.corner*2.0;
+let turn=BokehTurn(1.0,polygon);
+var direction=vec2f(-turn.y,turn.x)*2.0;
+for(var edge=1;edge <= polygon.sides/2;edge++)
 {
-let alongEdge:vec2f=direction*BokehEdgeLength(edge,polygon);
-let along:vec2f=alongEdge/f32(onEdge);
-let cell:f32=(corner.x*along.y-corner.y*along.x)/(8.0*polygon.area);
-for(var i:i32=0;i < onEdge;i++)
+let alongEdge=direction*BokehEdgeLength(edge,polygon);
+let along=alongEdge/f32(onEdge);
+let cell=(corner.x*along.y-corner.y*along.x)/(8.0*polygon.area);
+for(var i=0;i < onEdge;i++)
 {
-let upright:vec2f=corner+along*(f32(i)+phase);
-let place:vec2f=right*upright.x+upwards*upright.y;
-let texel:vec2f=floor(place);
-let offset:vec2f=texel+clamp((place-texel)*(gather.snapping+1.0)-0.5 *
+let upright=corner+along*(f32(i)+phase);
+let place=right*upright.x+upwards*upright.y;
+let texel=floor(place);
+let offset=texel+clamp((place-texel)*(gather.snapping+1.0)-0.5 *
 gather.snapping,zero,one);
-let pixel:vec4f=BokehFetchAround(MapSamp,layers.uv,offset,full,BokehLinearClamp);
-let other:vec4f=BokehFetchAround(MapSamp,layers.uv,-offset,full,
+let pixel=BokehFetchAround(MapSamp,layers.uv,offset,full,BokehLinearClamp);
+let other=BokehFetchAround(MapSamp,layers.uv,-offset,full,
 BokehLinearClamp);
-let CoC:vec2f=vec2f(pixel.a,other.a)*full.size.y;
-let isBehind:vec2f=clamp(CoC*2.0-2.0*gather.s,zero,one)*(1.0 -
+let CoC=vec2f(pixel.a,other.a)*full.size.y;
+let isBehind=clamp(CoC*2.0-2.0*gather.s,zero,one)*(1.0 -
 gather.nearWeight);
-var inverse:vec2f=BokehSpreadInverse(CoC);
+var inverse=BokehSpreadInverse(CoC);
 inverse+=(gather.inverse-inverse)*isBehind;
 inverse=clamp(inverse,gather.bounds.xx,gather.bounds.yy);
-var covers:vec2f=cell*max(min(1.0-innerSquare*inverse,area*inverse),zero);
-let inFar:vec2f=covers*clamp(CoC*gather.slopes.y-2.0,zero,one);
+var covers=cell*max(min(1.0-innerSquare*inverse,area*inverse),zero);
+let inFar=covers*clamp(CoC*gather.slopes.y-2.0,zero,one);
 covers=covers*(1.0-clamp(CoC * -gather.slopes.x-2.0,zero,one))-inFar;
 gather.farFound+=inFar.x+inFar.y;
 gather.sum+=vec4f(pixel.rgb,1.0)*covers.x;
 gather.sum+=vec4f(other.rgb,1.0)*covers.y;
-let inFront:vec2f=covers*clamp(gather.s-0.5-CoC,zero,one);
+let inFront=covers*clamp(gather.s-0.5-CoC,zero,one);
 gather.front+=vec4f(pixel.rgb,1.0)*inFront.x;
 gather.front+=vec4f(other.rgb,1.0)*inFront.y;
 }
@@ -3531,8 +3531,8 @@ fn BokehGatherTo(before:BokehGather,MapSamp:texture_2d<f32>,ring:i32,density:i32
 rings:BokehRingLayout,polygon:BokehPolygon,layers:BokehLayerContext,
 BokehLinearClamp:sampler)->BokehGather
 {
-var gather:BokehGather=before;
-let outer:f32=min(BokehRingBorder(ring,rings),end);
+var gather=before;
+let outer=min(BokehRingBorder(ring,rings),end);
 if(ring <= BOKEH_LAYER_RINGS+1&&gather.inner < outer)
 {
 gather=BokehGatherRing(gather,MapSamp,ring,BokehSamplesPerEdge(min(density,
@@ -3545,41 +3545,41 @@ NearSamp:texture_2d<f32>,FarSamp:texture_2d<f32>,MidFillSamp:texture_2d<f32>,
 FarFillSamp:texture_2d<f32>,polygon:BokehPolygon,layers:BokehLayerContext,
 BokehLinearClamp:sampler)->vec4f
 {
-let full:BokehGrid=BokehFullGrid(layers);
-let center:vec2f=layers.uv*full.size;
-let centerPixel:vec4f=BokehFetchTexel(MapSamp,BokehToTexture(layers.uv));
-let tile:vec4f=BokehFetchGrid(GatherTilesSamp,center/8.0,BokehReducedGrid(layers,8.0),
+let full=BokehFullGrid(layers);
+let center=layers.uv*full.size;
+let centerPixel=BokehFetchTexel(MapSamp,BokehToTexture(layers.uv));
+let tile=BokehFetchGrid(GatherTilesSamp,center/8.0,BokehReducedGrid(layers,8.0),
 BokehLinearClamp);
-var result:vec3f=centerPixel.rgb;
-let halves:BokehGrid=BokehReducedGrid(layers,2.0);
-var nearLayer:vec4f=vec4f(0.0,0.0,0.0,0.0);
+var result=centerPixel.rgb;
+let halves=BokehReducedGrid(layers,2.0);
+var nearLayer=vec4f(0.0,0.0,0.0,0.0);
 if(BOKEH_SIDES > 0&&tile.r > 6.0)
 {
 nearLayer=BokehFetchLayer(NearSamp,0.5*center,halves,BokehLinearClamp);
 }
-let fullAlpha:f32=1.002;
+let fullAlpha=1.002;
 if(max(tile.r,tile.g) > 1.0&&nearLayer.a*fullAlpha < 1.0)
 {
 var gather:BokehGather;
-let s:f32=centerPixel.a*full.size.y;
+let s=centerPixel.a*full.size.y;
 gather.s=s;
 gather.slopes=vec2f(BokehNearSlope(tile.r),BokehFarSlope(tile.g));
-let nearWeight:f32=BokehLayerWeight(-s,gather.slopes.x);
-let farWeight:f32=BokehLayerWeight(s,gather.slopes.y);
+let nearWeight=BokehLayerWeight(-s,gather.slopes.x);
+let farWeight=BokehLayerWeight(s,gather.slopes.y);
 gather.nearWeight=nearWeight;
 gather.inverse=BokehSpreadInverse(vec2f(s,s)).x;
-let restRadius:f32=clamp(16.0-16.0*farWeight,0.0,1.0)*(1.0-nearWeight) /
+let restRadius=clamp(16.0-16.0*farWeight,0.0,1.0)*(1.0-nearWeight) /
 sqrt(gather.inverse);
-let radius:f32=max(max(restRadius,0.01),0.5*max(tile.b,tile.a*farWeight));
+let radius=max(max(restRadius,0.01),0.5*max(tile.b,tile.a*farWeight));
 var ringLayout:BokehRingLayout;
 ringLayout.radius=radius;
 ringLayout.narrowing=clamp(radius/max(restRadius,1.0)-1.0,0.0,1.0);
-var denseRings:f32=f32(BOKEH_LAYER_RINGS);
+var denseRings=f32(BOKEH_LAYER_RINGS);
 if(max(tile.g,tile.r+4.0) <= 14.0-4.0*f32(BOKEH_LAYER_CUBIC))
 {
 denseRings+=1.0;
 }
-var rings:f32=denseRings;
+var rings=denseRings;
 if(max(nearWeight,farWeight*tile.r*f32(BOKEH_LAYER_RINGS-1)) <= 0.0)
 {
 rings=max(rings,min(radius/3.0,f32(BOKEH_LAYER_RINGS)+1.0));
@@ -3591,14 +3591,14 @@ if(radius < 0.5)
 gather.inner=radius;
 }
 gather.bounds=1.0/vec2f(radius*radius,gather.inner*gather.inner);
-let weight:f32=(1.0-nearWeight)*min(gather.inverse/gather.bounds.y,1.0);
+let weight=(1.0-nearWeight)*min(gather.inverse/gather.bounds.y,1.0);
 gather.farFound=weight*farWeight;
 gather.sum=vec4f(centerPixel.rgb,1.0)*(weight-gather.farFound);
 gather.front=vec4f(0.0,0.0,0.0,0.0);
-let edges:f32=max(tile.r,tile.g-16.0);
+let edges=max(tile.r,tile.g-16.0);
 gather.snapping=3.75*clamp(edges/5.0,0.0,1.0)+100.0*clamp((edges-10.0)/16.0,
 0.0,1.0);
-var lastInner:f32=radius;
+var lastInner=radius;
 if(rings > denseRings)
 {
 lastInner=min(BokehRingBorder(BOKEH_LAYER_RINGS,ringLayout),radius);
@@ -3620,23 +3620,23 @@ polygon,layers,BokehLinearClamp);
 }
 else
 {
-for(var ring:i32=1;ring <= BOKEH_LAYER_RINGS+1;ring++)
+for(var ring=1;ring <= BOKEH_LAYER_RINGS+1;ring++)
 {
 if(gather.inner >= radius)
 {
 break;
 }
-var density:i32=min(ring,BOKEH_LAYER_RINGS);
+var density=min(ring,BOKEH_LAYER_RINGS);
 if(f32(ring) > denseRings)
 {
 density=1;
 }
-let outer:f32=min(BokehRingBorder(ring,ringLayout),radius);
+let outer=min(BokehRingBorder(ring,ringLayout),radius);
 gather=BokehGatherRing(gather,MapSamp,ring,BokehSamplesPerEdge(density,
 polygon),outer,polygon,layers,BokehLinearClamp);
 }
 }
-var farLayer:vec4f=vec4f(0.0,0.0,0.0,0.0);
+var farLayer=vec4f(0.0,0.0,0.0,0.0);
 if(max(tile.r,tile.g-4.0) > 6.0)
 {
 if(BOKEH_SIDES==0)
@@ -3645,41 +3645,41 @@ nearLayer=BokehFetchLayer(NearSamp,0.5*center,halves,BokehLinearClamp);
 }
 farLayer=BokehFetchLayer(FarSamp,0.5*center,halves,BokehLinearClamp);
 }
-let quarters:BokehGrid=BokehReducedGrid(layers,4.0);
-let behindNear:f32=clamp(2.0*farWeight*nearLayer.a-0.25+1000.0*nearWeight,
+let quarters=BokehReducedGrid(layers,4.0);
+let behindNear=clamp(2.0*farWeight*nearLayer.a-0.25+1000.0*nearWeight,
 0.0,1.0);
-var farColor:vec3f=farLayer.rgb/max(farLayer.a,0.000001);
+var farColor=farLayer.rgb/max(farLayer.a,0.000001);
 if(behindNear > 0.0)
 {
-let farFill:vec4f=BokehFetchGrid(FarFillSamp,0.25*center,quarters,
+let farFill=BokehFetchGrid(FarFillSamp,0.25*center,quarters,
 BokehLinearClamp);
-let missing:f32=clamp(1.0-2.0*farLayer.a,0.0,1.0)*behindNear;
+let missing=clamp(1.0-2.0*farLayer.a,0.0,1.0)*behindNear;
 farColor+=(farFill.rgb-farColor)*missing;
 farLayer=vec4f(farColor*farLayer.a,farLayer.a);
 }
-let sum:vec4f=gather.sum+farLayer*(gather.farFound*(1.0-max(farWeight,
+let sum=gather.sum+farLayer*(gather.farFound*(1.0-max(farWeight,
 nearWeight))/max(farLayer.a,0.001));
-let plain:vec4f=sum+farLayer*farWeight;
+let plain=sum+farLayer*farWeight;
 if(plain.a >= 0.001)
 {
-let rest:f32=plain.a-gather.front.a;
-let open:f32=clamp(1.0-gather.front.a,0.0,1.0)/max(rest,0.1);
+let rest=plain.a-gather.front.a;
+let open=clamp(1.0-gather.front.a,0.0,1.0)/max(rest,0.1);
 result=(gather.front.rgb+(plain.rgb-gather.front.rgb)*open)/(gather.front.a +
 rest*open);
 }
 if(nearWeight > 0.0)
 {
-let midFill:vec4f=BokehFetchGrid(MidFillSamp,0.25*center,quarters,
+let midFill=BokehFetchGrid(MidFillSamp,0.25*center,quarters,
 BokehLinearClamp);
-let inNear:f32=nearLayer.a*min(2.0-2.0*nearWeight,1.0);
-let empty:f32=clamp(1.0-sum.a-inNear,0.0,1.0);
-let cover:f32=empty*clamp((midFill.a-0.3)/0.4,0.0,1.0);
-let stack:vec3f=(sum.rgb+midFill.rgb*cover+farColor*(empty-cover)) /
+let inNear=nearLayer.a*min(2.0-2.0*nearWeight,1.0);
+let empty=clamp(1.0-sum.a-inNear,0.0,1.0);
+let cover=empty*clamp((midFill.a-0.3)/0.4,0.0,1.0);
+let stack=(sum.rgb+midFill.rgb*cover+farColor*(empty-cover)) /
 max(sum.a+empty,0.000001);
 result+=(stack-result)*nearWeight;
 }
 }
-let alpha:f32=clamp(nearLayer.a*fullAlpha,0.0,1.0);
+let alpha=clamp(nearLayer.a*fullAlpha,0.0,1.0);
 result=result*(1.0-alpha)+nearLayer.rgb*(alpha/max(nearLayer.a,0.000001));
 return vec4f(result,centerPixel.a);
 }
@@ -3687,13 +3687,13 @@ return vec4f(result,centerPixel.a);
   bokeh_lens: `
 fn BokehUpdatePolygon(polygon:BokehPolygon)->BokehPolygon
 {
-var closed:BokehPolygon=polygon;
+var closed=polygon;
 closed.mean=vec2f(0.0,0.0);
 closed.area=0.0;
-var begin:vec2f=vec2f(0.0,0.0);
-for(var i:i32=1;i <= polygon.sides/2;i++)
+var begin=vec2f(0.0,0.0);
+for(var i=1;i <= polygon.sides/2;i++)
 {
-let edge:vec2f=BokehEdge(i,polygon);
+let edge=BokehEdge(i,polygon);
 if(i < polygon.sides/2)
 {
 closed.mean+=(begin+edge*0.5)/(0.5*f32(polygon.sides)-1.0);
@@ -3707,12 +3707,12 @@ return closed;
 }
 fn BokehWithRoundness(polygon:BokehPolygon,roundness:f32)->BokehPolygon
 {
-var result:BokehPolygon=polygon;
+var result=polygon;
 if(polygon.sides==8)
 {
-let corner:f32=0.39269908*clamp(roundness,0.0,1.0);
-let odd:f32=sin(max(corner,0.001));
-let even:f32=sin(0.78539816-corner);
+let corner=0.39269908*clamp(roundness,0.0,1.0);
+let odd=sin(max(corner,0.001));
+let even=sin(0.78539816-corner);
 result.lengths=vec4f(odd,even,odd,even);
 result=BokehUpdatePolygon(result);
 }
@@ -3720,8 +3720,8 @@ return result;
 }
 fn BokehHalfWidth(k:i32,polygon:BokehPolygon,along:vec2f)->f32
 {
-var width:f32=0.0;
-for(var i:i32=1;i <= polygon.sides/2;i++)
+var width=0.0;
+for(var i=1;i <= polygon.sides/2;i++)
 {
 width+=abs(BokehTurn(f32(i-k),polygon).y)*BokehEdgeLength(i,polygon);
 }
@@ -3729,13 +3729,13 @@ return 0.5*width*(1.0-abs(dot(along,BokehTurn(f32(k),polygon))));
 }
 fn BokehCutLength(k:i32,widths:BokehPolygon)->f32
 {
-let halfWidth:f32=BokehEdgeLength(k,widths);
-let edges:i32=widths.sides/2;
-var ends:vec2f=vec2f(1.0,1.0);
-for(var i:i32=1;i < edges;i++)
+let halfWidth=BokehEdgeLength(k,widths);
+let edges=widths.sides/2;
+var ends=vec2f(1.0,1.0);
+for(var i=1;i < edges;i++)
 {
-let turn:vec2f=BokehTurn(f32(i),widths);
-let others:vec2f=vec2f(BokehEdgeLength(k-i+edges,widths),BokehEdgeLength(k+i,
+let turn=BokehTurn(f32(i),widths);
+let others=vec2f(BokehEdgeLength(k-i+edges,widths),BokehEdgeLength(k+i,
 widths));
 ends=min(ends,(others-halfWidth*turn.x)/turn.y);
 }
@@ -3743,17 +3743,17 @@ return max(ends.x+ends.y,0.001);
 }
 fn BokehWithCatsEye(polygon:BokehPolygon,uv:vec2f,imageSize:vec2f,amount:f32)->BokehPolygon
 {
-let place:vec2f=(uv-0.5)*2.0*imageSize/length(imageSize);
-let along:vec2f=BokehRotated(place,vec2f(polygon.axis.x,-polygon.axis.y))*clamp(amount,
+let place=(uv-0.5)*2.0*imageSize/length(imageSize);
+let along=BokehRotated(place,vec2f(polygon.axis.x,-polygon.axis.y))*clamp(amount,
 0.0,0.9);
-var whole:BokehPolygon=polygon;
+var whole=polygon;
 whole.lengths*=clamp((polygon.lengths-0.001)*100000.0,vec4f(0.0,0.0,0.0,0.0),
 vec4f(1.0,1.0,1.0,1.0));
-var widths:BokehPolygon=polygon;
+var widths=polygon;
 widths.lengths=vec4f(BokehHalfWidth(1,whole,along),BokehHalfWidth(2,whole,along),
 BokehHalfWidth(3,whole,along),BokehHalfWidth(4,whole,along));
 widths.fifth=BokehHalfWidth(5,whole,along);
-var result:BokehPolygon=polygon;
+var result=polygon;
 result.lengths=vec4f(BokehCutLength(1,widths),BokehCutLength(2,widths),BokehCutLength(3,
 widths),BokehCutLength(4,widths));
 result.fifth=BokehCutLength(5,widths);
@@ -3767,10 +3767,10 @@ sideMaxCoC:vec2f,
 }
 fn BokehFocusedCoC(depth:f32,lens:BokehLens,focus:BokehFocus)->f32
 {
-let middle:f32=min(lens.focusDistance,BOKEH_MAX_DEPTH);
-var nearest:BokehLens=lens;
+let middle=min(lens.focusDistance,BOKEH_MAX_DEPTH);
+var nearest=lens;
 nearest.focusDistance=clamp(depth,middle-focus.sharpRange.x,middle+focus.sharpRange.y);
-let CoC:f32=BokehSignedCoC(depth,nearest);
+let CoC=BokehSignedCoC(depth,nearest);
 return clamp(min(CoC,0.0)*focus.sideScale.x+max(CoC,0.0)*focus.sideScale.y,
 -focus.sideMaxCoC.x,focus.sideMaxCoC.y);
 }
@@ -3778,20 +3778,20 @@ fn BokehStableMap(MapSamp:texture_2d<f32>,HistorySamp:texture_2d<f32>,
 VelocitySamp:texture_2d<f32>,uv:vec2f,imageSize:vec2f,blend:f32,
 BokehLinearClamp:sampler)->vec4f
 {
-var pixel:vec4f=BokehFetchTexel(MapSamp,BokehToTexture(uv));
-var nearest:f32=pixel.a;
-for(var y:i32=0;y < 3;y++)
+var pixel=BokehFetchTexel(MapSamp,BokehToTexture(uv));
+var nearest=pixel.a;
+for(var y=0;y < 3;y++)
 {
-for(var x:i32=0;x < 3;x++)
+for(var x=0;x < 3;x++)
 {
-let place:vec2f=uv+(vec2f(f32(x),f32(y))-1.0)/imageSize;
+let place=uv+(vec2f(f32(x),f32(y))-1.0)/imageSize;
 nearest=min(nearest,BokehFetchTexel(MapSamp,BokehToTexture(place)).a);
 }
 }
-let velocity:vec2f=BokehFetchTexel(VelocitySamp,BokehToTexture(uv)).rg;
-let before:vec2f=uv-vec2f(BokehSanitize(velocity.x,-2.0,2.0),BokehSanitize(velocity.y,
+let velocity=BokehFetchTexel(VelocitySamp,BokehToTexture(uv)).rg;
+let before=uv-vec2f(BokehSanitize(velocity.x,-2.0,2.0),BokehSanitize(velocity.y,
 -2.0,2.0));
-let history:f32=BokehSanitize(BokehFetch(HistorySamp,before,BokehLinearClamp).a,nearest,
+let history=BokehSanitize(BokehFetch(HistorySamp,before,BokehLinearClamp).a,nearest,
 pixel.a);
 if(max(abs(before.x-0.5),abs(before.y-0.5)) <= 0.5)
 {
@@ -3802,20 +3802,20 @@ return pixel;
 fn BokehLateralColor(PictureSamp:texture_2d<f32>,uv:vec2f,amount:f32,
 BokehLinearClamp:sampler)->vec4f
 {
-let larger:f32=clamp(amount,-0.1,0.1);
-let place:vec2f=uv-0.5;
-let green:vec4f=BokehFetch(PictureSamp,uv,BokehLinearClamp);
-let red:f32=BokehFetch(PictureSamp,place/(1.0+larger)+0.5,BokehLinearClamp).r;
-let blue:f32=BokehFetch(PictureSamp,place/(1.0-larger)+0.5,BokehLinearClamp).b;
+let larger=clamp(amount,-0.1,0.1);
+let place=uv-0.5;
+let green=BokehFetch(PictureSamp,uv,BokehLinearClamp);
+let red=BokehFetch(PictureSamp,place/(1.0+larger)+0.5,BokehLinearClamp).r;
+let blue=BokehFetch(PictureSamp,place/(1.0-larger)+0.5,BokehLinearClamp).b;
 return vec4f(red,green.g,blue,green.a);
 }
 `,
   noise: `
 fn BokehNoise(uv:vec2f,imageSize:vec2f,frame:f32,passIndex:f32)->f32
 {
-let number:f32=(8.0*passIndex+1.0)*(frame-64.0*floor(frame/64.0))+passIndex;
-let seed:f32=dot(floor(uv*imageSize),vec2f(0.06711056,0.00583715));
-let value:f32=52.9829189*(seed-floor(seed))+0.515625*number;
+let number=(8.0*passIndex+1.0)*(frame-64.0*floor(frame/64.0))+passIndex;
+let seed=dot(floor(uv*imageSize),vec2f(0.06711056,0.00583715));
+let value=52.9829189*(seed-floor(seed))+0.515625*number;
 return value-floor(value)-0.5;
 }
 `,

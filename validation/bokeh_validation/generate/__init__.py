@@ -213,13 +213,15 @@ def _code(text: str) -> Iterator[str]:
 
 
 def _compact(line: str) -> str:
-    """Return a line of code with no spaces that the language does not need: pages download it.
+    """Return a line of code without what the language does not need: pages download it. That is spaces, and
+    in WGSL the types of variables that have a value.
 
     Preprocessor lines, and in WGSL the lines whose values the classes replace, stay as they are.
     """
     if line.startswith(("#", "override", "alias")):
         return line
     line = re.sub(r"\b(if|for) \(", r"\1(", re.sub(r"(?<=[,:;]) ", "", line))
+    line = re.sub(r"^((?:for\()?(?:let|var) \w+):\w+ = ", r"\1 = ", line)
     # not before a minus: a - -b
     return re.sub(r" ([-+*/=]=?|&&|->) (?=[\w(])", r"\1", line)
 

@@ -277,7 +277,8 @@ def test_a_spacing_that_is_none_is_the_presets(driver):
 PAGE_ROWS = {
     "colour NaN, negative; +infinite": "{color_nan:g}; {color_infinite:g}",
     "depth NaN, 0, negative; above {most_depth:.0f} m, infinite": "{depth_nan:f} m; {depth_infinite:.0f} m",
-    "stored depth NaN or below 0, kind 3; kind 8": "the sky; the camera",
+    "stored depth NaN or below 0, kind 3": "the sky",
+    "stored depth NaN or below 0, kind 8": "the camera",
     "`BokehFocusDistance` up to the focal length; above {most_depth:.0f} m": (
         "{depth_nan:f} m more than the focal length; {focus_infinite:.0f} m"
     ),
