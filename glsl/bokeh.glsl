@@ -499,13 +499,17 @@ vec4 BokehSignedCoCMap(BOKEH_TEXTURE ColorSamp, BOKEH_DEPTH_TEXTURE DepthSamp, v
 {
     float depth = BokehLinearDepth(BokehFetchDepth(DepthSamp, depthUV), kind, planes.x, planes.y);
     float CoC = BokehSignedCoC(depth, lens);
-    vec4 neighbor = BokehBrightNeighbor(ColorSamp, uv, imageSize);
-    if (max(neighbor.z, neighbor.w) > 0.0)
+    // BokehLightCoC leaves a CoC of up to a pixel as it is
+    if (abs(CoC) * imageSize.y > 1.0)
     {
-        vec2 offset = BokehToTexture(uv + neighbor.xy) - BokehToTexture(uv);
-        depth = BokehLinearDepth(BokehFetchDepth(DepthSamp, depthUV + offset), kind, planes.x,
-            planes.y);
-        CoC = BokehLightCoC(CoC, BokehSignedCoC(depth, lens), neighbor.zw, imageSize.y);
+        vec4 neighbor = BokehBrightNeighbor(ColorSamp, uv, imageSize);
+        if (max(neighbor.z, neighbor.w) > 0.0)
+        {
+            vec2 offset = BokehToTexture(uv + neighbor.xy) - BokehToTexture(uv);
+            depth = BokehLinearDepth(BokehFetchDepth(DepthSamp, depthUV + offset), kind, planes.x,
+                planes.y);
+            CoC = BokehLightCoC(CoC, BokehSignedCoC(depth, lens), neighbor.zw, imageSize.y);
+        }
     }
     return BokehPackCoC(BokehFetchTexel(ColorSamp, BokehToTexture(uv)), CoC);
 }
@@ -810,14 +814,12 @@ float BokehNearRayWeight(float ratio)
 //   of 1/4, where the few samples left would show as dots.
 //   ratio         the sample's CoC / this pixel's; negative on the other side of the focus
 //   samples       number of samples on the ray, from BokehSampleCount
-//   returns       x = weight; y = weight without the density; z = the part of x that belongs to the
-//                 surface of this pixel: all of it at the same CoC, none below 3/4
-vec3 BokehFarRayWeight(float ratio, float samples, int i)
+//   returns       x = weight; y = weight without the density
+vec2 BokehFarRayWeight(float ratio, float samples, int i)
 {
     float part = min(abs(ratio), 1.0);
     float reached = clamp(part * samples - float(i), 0.0, 1.0);
-    float weight = reached / max(part, 0.25);
-    return vec3(weight, reached, weight * clamp(4.0 * ratio - 3.0, 0.0, 1.0));
+    return vec2(reached / max(part, 0.25), reached);
 }
 
 // Exact: holds the sum of the samples along one line
@@ -834,15 +836,16 @@ struct BokehLine
 //   The sum is not divided by its weights here. A line that lies on a sharp object, and is
 //   therefore almost completely rejected, would come back at full strength (docs/methods/exact.md).
 //   On a ray the density can make the weights add up to more than one per sample. Dividing by them
-//   would darken the light. Instead the surface of this pixel gives up the excess, because the
-//   light covers it.
+//   would darken the light. Instead the surface of this pixel, which the light covers, gives up the
+//   excess: its colour is taken for that of this pixel, or for the mean if that is darker.
 //   rays          true: the lines are those of BokehRay, false: those of BokehEdgeLine
-//   centerCoC     signed, fraction of the image height
+//   centerPixel   colour and signed CoC of this pixel, in the map or in strip 2
 BokehLine BokehLineSum(BOKEH_TEXTURE tex, vec2 uv, int k, BokehPolygon polygon, bool secondPass,
-    bool rays, float centerCoC, BokehSamplingSettings settings)
+    bool rays, vec4 centerPixel, BokehSamplingSettings settings)
 {
     vec4 sum = vec4(0.0, 0.0, 0.0, 0.0);
     float reached = 0.0;
+    float centerCoC = centerPixel.a;
     float CoC = BokehFilterCoC(abs(centerCoC), settings.imageHeight);
     if (CoC > 0.0)
     {
@@ -858,7 +861,6 @@ BokehLine BokehLineSum(BOKEH_TEXTURE tex, vec2 uv, int k, BokehPolygon polygon, 
         vec2 first = uv + (segment.xy - segment.zw) * scale;
         vec2 sampleStep = segment.zw * scale * (2.0 / samples);
         float inverseCoC = 1.0 / centerCoC;
-        vec4 surface = vec4(0.0, 0.0, 0.0, 0.0);
         for (int i = 0; i < BOKEH_NUM_SAMPLES; i++)
         {
             if (BOKEH_SPACING > 0.0 && float(i) >= samples)
@@ -876,10 +878,9 @@ BokehLine BokehLineSum(BOKEH_TEXTURE tex, vec2 uv, int k, BokehPolygon polygon, 
                 }
                 else
                 {
-                    vec3 weights = BokehFarRayWeight(ratio, samples, i);
+                    vec2 weights = BokehFarRayWeight(ratio, samples, i);
                     sum += vec4(samplePixel.rgb, 1.0) * weights.x;
                     reached += (samplePixel.r + samplePixel.g + samplePixel.b) * weights.y;
-                    surface += vec4(samplePixel.rgb, 1.0) * weights.z;
                 }
             }
             else
@@ -890,9 +891,11 @@ BokehLine BokehLineSum(BOKEH_TEXTURE tex, vec2 uv, int k, BokehPolygon polygon, 
         }
         if (rays)
         {
-            float covered = clamp((sum.a - samples) / max(surface.a, 0.0001), 0.0, 1.0);
-            sum -= surface * covered;
-            reached -= (surface.r + surface.g + surface.b) * covered;
+            float excess = max(sum.a - samples, 0.0);
+            vec4 mean = sum / max(sum.a, samples);
+            vec4 removed = min(vec4(centerPixel.rgb, 1.0), mean) * excess;
+            sum -= removed;
+            reached = max(reached - removed.r - removed.g - removed.b, 0.0);
         }
         sum = sum / samples;
         reached = reached / samples;
@@ -937,14 +940,13 @@ BokehTargets BokehExactFirst(BOKEH_TEXTURE MapSamp, vec2 uv, int last, BokehPoly
     BokehSamplingSettings settings)
 {
     vec4 centerPixel = BokehFetch(MapSamp, uv);
-    float CoC = centerPixel.a;
     // a hexagon has no edge 4, so a program for that edge needs no code for rays
     bool rays = false;
     if (last < 4)
     {
         rays = polygon.sides == 6;
     }
-    BokehLine L1 = BokehLineSum(MapSamp, uv, 1, polygon, false, rays, CoC, settings);
+    BokehLine L1 = BokehLineSum(MapSamp, uv, 1, polygon, false, rays, centerPixel, settings);
     BokehLine L2;
     L2.sum = vec4(0.0, 0.0, 0.0, 0.0);
     L2.reached = 0.0;
@@ -952,15 +954,15 @@ BokehTargets BokehExactFirst(BOKEH_TEXTURE MapSamp, vec2 uv, int last, BokehPoly
     BokehLine L4 = L2;
     if (last > 2)
     {
-        L2 = BokehLineSum(MapSamp, uv, 2, polygon, false, rays, CoC, settings);
+        L2 = BokehLineSum(MapSamp, uv, 2, polygon, false, rays, centerPixel, settings);
     }
     if (last > 3)
     {
-        L3 = BokehLineSum(MapSamp, uv, 3, polygon, false, rays, CoC, settings);
+        L3 = BokehLineSum(MapSamp, uv, 3, polygon, false, rays, centerPixel, settings);
     }
     if (last > 4)
     {
-        L4 = BokehLineSum(MapSamp, uv, 4, polygon, false, rays, CoC, settings);
+        L4 = BokehLineSum(MapSamp, uv, 4, polygon, false, rays, centerPixel, settings);
     }
     BokehTargets targets;
     targets.strip2 = BokehExactTarget(2, polygon, rays, L1, L2, L3, L4, centerPixel);
@@ -987,7 +989,7 @@ vec4 BokehSquareSecond(BOKEH_TEXTURE Strip2Samp, vec2 uv, BokehPolygon polygon,
     BokehSamplingSettings settings)
 {
     vec4 pixel = BokehFetch(Strip2Samp, uv);
-    BokehLine L2 = BokehLineSum(Strip2Samp, uv, 2, polygon, true, false, pixel.a, settings);
+    BokehLine L2 = BokehLineSum(Strip2Samp, uv, 2, polygon, true, false, pixel, settings);
     return BokehResolved(L2.sum, pixel);
 }
 
@@ -1003,8 +1005,8 @@ vec4 BokehHexagonSecond(BOKEH_TEXTURE Strip2Samp, BOKEH_TEXTURE Strip3Samp, vec2
     BokehPolygon polygon, BokehSamplingSettings settings)
 {
     vec4 pixel = BokehFetch(Strip2Samp, uv);
-    BokehLine L2 = BokehLineSum(Strip2Samp, uv, 2, polygon, true, true, pixel.a, settings);
-    BokehLine L3 = BokehLineSum(Strip3Samp, uv, 3, polygon, true, true, pixel.a, settings);
+    BokehLine L2 = BokehLineSum(Strip2Samp, uv, 2, polygon, true, true, pixel, settings);
+    BokehLine L3 = BokehLineSum(Strip3Samp, uv, 3, polygon, true, true, pixel, settings);
     return BokehResolved(L2.sum + L3.sum, pixel);
 }
 
@@ -1020,9 +1022,9 @@ vec4 BokehOctagonSecond(BOKEH_TEXTURE Strip2Samp, BOKEH_TEXTURE Strip3Samp,
     BOKEH_TEXTURE Strip4Samp, vec2 uv, BokehPolygon polygon, BokehSamplingSettings settings)
 {
     vec4 pixel = BokehFetch(Strip2Samp, uv);
-    BokehLine L2 = BokehLineSum(Strip2Samp, uv, 2, polygon, true, false, pixel.a, settings);
-    BokehLine L3 = BokehLineSum(Strip3Samp, uv, 3, polygon, true, false, pixel.a, settings);
-    BokehLine L4 = BokehLineSum(Strip4Samp, uv, 4, polygon, true, false, pixel.a, settings);
+    BokehLine L2 = BokehLineSum(Strip2Samp, uv, 2, polygon, true, false, pixel, settings);
+    BokehLine L3 = BokehLineSum(Strip3Samp, uv, 3, polygon, true, false, pixel, settings);
+    BokehLine L4 = BokehLineSum(Strip4Samp, uv, 4, polygon, true, false, pixel, settings);
     return BokehResolved(L2.sum + L3.sum + L4.sum, pixel);
 }
 
@@ -1039,9 +1041,9 @@ vec4 BokehDecagonSecond(BOKEH_TEXTURE Strip2Samp, BOKEH_TEXTURE Strip3Samp,
     BokehSamplingSettings settings)
 {
     vec4 pixel = BokehFetch(Strip2Samp, uv);
-    BokehLine L2 = BokehLineSum(Strip2Samp, uv, 2, polygon, true, false, pixel.a, settings);
-    BokehLine L3 = BokehLineSum(Strip3Samp, uv, 3, polygon, true, false, pixel.a, settings);
-    BokehLine L4 = BokehLineSum(Strip4Samp, uv, 4, polygon, true, false, pixel.a, settings);
-    BokehLine L5 = BokehLineSum(Strip5Samp, uv, 5, polygon, true, false, pixel.a, settings);
+    BokehLine L2 = BokehLineSum(Strip2Samp, uv, 2, polygon, true, false, pixel, settings);
+    BokehLine L3 = BokehLineSum(Strip3Samp, uv, 3, polygon, true, false, pixel, settings);
+    BokehLine L4 = BokehLineSum(Strip4Samp, uv, 4, polygon, true, false, pixel, settings);
+    BokehLine L5 = BokehLineSum(Strip5Samp, uv, 5, polygon, true, false, pixel, settings);
     return BokehResolved(L2.sum + L3.sum + L4.sum + L5.sum, pixel);
 }

@@ -425,13 +425,17 @@ fn BokehSignedCoCMap(ColorSamp: texture_2d<f32>, DepthSamp: BokehDepthTexture, u
     var depth: f32 = BokehLinearDepth(BokehFetchDepth(DepthSamp, depthUV), kind, planes.x,
         planes.y);
     var CoC: f32 = BokehSignedCoC(depth, lens);
-    let neighbor: vec4f = BokehBrightNeighbor(ColorSamp, uv, imageSize);
-    if (max(neighbor.z, neighbor.w) > 0.0)
+    // BokehLightCoC leaves a CoC of up to a pixel as it is
+    if (abs(CoC) * imageSize.y > 1.0)
     {
-        let offset: vec2f = BokehToTexture(uv + neighbor.xy) - BokehToTexture(uv);
-        depth = BokehLinearDepth(BokehFetchDepth(DepthSamp, depthUV + offset), kind, planes.x,
-            planes.y);
-        CoC = BokehLightCoC(CoC, BokehSignedCoC(depth, lens), neighbor.zw, imageSize.y);
+        let neighbor: vec4f = BokehBrightNeighbor(ColorSamp, uv, imageSize);
+        if (max(neighbor.z, neighbor.w) > 0.0)
+        {
+            let offset: vec2f = BokehToTexture(uv + neighbor.xy) - BokehToTexture(uv);
+            depth = BokehLinearDepth(BokehFetchDepth(DepthSamp, depthUV + offset), kind, planes.x,
+                planes.y);
+            CoC = BokehLightCoC(CoC, BokehSignedCoC(depth, lens), neighbor.zw, imageSize.y);
+        }
     }
     return BokehPackCoC(BokehFetchTexel(ColorSamp, BokehToTexture(uv)), CoC);
 }
@@ -738,14 +742,12 @@ fn BokehNearRayWeight(ratio: f32) -> f32
 //   of 1/4, where the few samples left would show as dots.
 //   ratio         the sample's CoC / this pixel's; negative on the other side of the focus
 //   samples       number of samples on the ray, from BokehSampleCount
-//   returns       x = weight; y = weight without the density; z = the part of x that belongs to the
-//                 surface of this pixel: all of it at the same CoC, none below 3/4
-fn BokehFarRayWeight(ratio: f32, samples: f32, i: i32) -> vec3f
+//   returns       x = weight; y = weight without the density
+fn BokehFarRayWeight(ratio: f32, samples: f32, i: i32) -> vec2f
 {
     let part: f32 = min(abs(ratio), 1.0);
     let reached: f32 = clamp(part * samples - f32(i), 0.0, 1.0);
-    let weight: f32 = reached / max(part, 0.25);
-    return vec3f(weight, reached, weight * clamp(4.0 * ratio - 3.0, 0.0, 1.0));
+    return vec2f(reached / max(part, 0.25), reached);
 }
 
 // Exact: holds the sum of the samples along one line
@@ -762,16 +764,17 @@ struct BokehLine
 //   The sum is not divided by its weights here. A line that lies on a sharp object, and is
 //   therefore almost completely rejected, would come back at full strength (docs/methods/exact.md).
 //   On a ray the density can make the weights add up to more than one per sample. Dividing by them
-//   would darken the light. Instead the surface of this pixel gives up the excess, because the
-//   light covers it.
+//   would darken the light. Instead the surface of this pixel, which the light covers, gives up the
+//   excess: its colour is taken for that of this pixel, or for the mean if that is darker.
 //   rays          true: the lines are those of BokehRay, false: those of BokehEdgeLine
-//   centerCoC     signed, fraction of the image height
+//   centerPixel   colour and signed CoC of this pixel, in the map or in strip 2
 fn BokehLineSum(tex: texture_2d<f32>, uv: vec2f, k: i32, polygon: BokehPolygon, secondPass: bool,
-    rays: bool, centerCoC: f32, settings: BokehSamplingSettings,
+    rays: bool, centerPixel: vec4f, settings: BokehSamplingSettings,
         BokehLinearClamp: sampler) -> BokehLine
 {
     var sum: vec4f = vec4f(0.0, 0.0, 0.0, 0.0);
     var reached: f32 = 0.0;
+    let centerCoC: f32 = centerPixel.a;
     let CoC: f32 = BokehFilterCoC(abs(centerCoC), settings.imageHeight);
     if (CoC > 0.0)
     {
@@ -787,7 +790,6 @@ fn BokehLineSum(tex: texture_2d<f32>, uv: vec2f, k: i32, polygon: BokehPolygon, 
         let first: vec2f = uv + (segment.xy - segment.zw) * scale;
         let sampleStep: vec2f = segment.zw * scale * (2.0 / samples);
         let inverseCoC: f32 = 1.0 / centerCoC;
-        var surface: vec4f = vec4f(0.0, 0.0, 0.0, 0.0);
         for (var i: i32 = 0; i < BOKEH_NUM_SAMPLES; i++)
         {
             if (BOKEH_SPACING > 0.0 && f32(i) >= samples)
@@ -806,10 +808,9 @@ fn BokehLineSum(tex: texture_2d<f32>, uv: vec2f, k: i32, polygon: BokehPolygon, 
                 }
                 else
                 {
-                    let weights: vec3f = BokehFarRayWeight(ratio, samples, i);
+                    let weights: vec2f = BokehFarRayWeight(ratio, samples, i);
                     sum += vec4f(samplePixel.rgb, 1.0) * weights.x;
                     reached += (samplePixel.r + samplePixel.g + samplePixel.b) * weights.y;
-                    surface += vec4f(samplePixel.rgb, 1.0) * weights.z;
                 }
             }
             else
@@ -821,9 +822,11 @@ fn BokehLineSum(tex: texture_2d<f32>, uv: vec2f, k: i32, polygon: BokehPolygon, 
         }
         if (rays)
         {
-            let covered: f32 = clamp((sum.a - samples) / max(surface.a, 0.0001), 0.0, 1.0);
-            sum -= surface * covered;
-            reached -= (surface.r + surface.g + surface.b) * covered;
+            let excess: f32 = max(sum.a - samples, 0.0);
+            let mean: vec4f = sum / max(sum.a, samples);
+            let removed: vec4f = min(vec4f(centerPixel.rgb, 1.0), mean) * excess;
+            sum -= removed;
+            reached = max(reached - removed.r - removed.g - removed.b, 0.0);
         }
         sum = sum / samples;
         reached = reached / samples;
@@ -869,14 +872,13 @@ fn BokehExactFirst(MapSamp: texture_2d<f32>, uv: vec2f, last: i32, polygon: Boke
     settings: BokehSamplingSettings, BokehLinearClamp: sampler) -> BokehTargets
 {
     let centerPixel: vec4f = BokehFetch(MapSamp, uv, BokehLinearClamp);
-    let CoC: f32 = centerPixel.a;
     // a hexagon has no edge 4, so a program for that edge needs no code for rays
     var rays: bool = false;
     if (last < 4)
     {
         rays = polygon.sides == 6;
     }
-    let L1: BokehLine = BokehLineSum(MapSamp, uv, 1, polygon, false, rays, CoC, settings,
+    let L1: BokehLine = BokehLineSum(MapSamp, uv, 1, polygon, false, rays, centerPixel, settings,
         BokehLinearClamp);
     var L2: BokehLine;
     L2.sum = vec4f(0.0, 0.0, 0.0, 0.0);
@@ -885,15 +887,18 @@ fn BokehExactFirst(MapSamp: texture_2d<f32>, uv: vec2f, last: i32, polygon: Boke
     var L4: BokehLine = L2;
     if (last > 2)
     {
-        L2 = BokehLineSum(MapSamp, uv, 2, polygon, false, rays, CoC, settings, BokehLinearClamp);
+        L2 = BokehLineSum(MapSamp, uv, 2, polygon, false, rays, centerPixel, settings,
+            BokehLinearClamp);
     }
     if (last > 3)
     {
-        L3 = BokehLineSum(MapSamp, uv, 3, polygon, false, rays, CoC, settings, BokehLinearClamp);
+        L3 = BokehLineSum(MapSamp, uv, 3, polygon, false, rays, centerPixel, settings,
+            BokehLinearClamp);
     }
     if (last > 4)
     {
-        L4 = BokehLineSum(MapSamp, uv, 4, polygon, false, rays, CoC, settings, BokehLinearClamp);
+        L4 = BokehLineSum(MapSamp, uv, 4, polygon, false, rays, centerPixel, settings,
+            BokehLinearClamp);
     }
     var targets: BokehTargets;
     targets.strip2 = BokehExactTarget(2, polygon, rays, L1, L2, L3, L4, centerPixel);
@@ -920,7 +925,7 @@ fn BokehSquareSecond(Strip2Samp: texture_2d<f32>, uv: vec2f, polygon: BokehPolyg
     settings: BokehSamplingSettings, BokehLinearClamp: sampler) -> vec4f
 {
     let pixel: vec4f = BokehFetch(Strip2Samp, uv, BokehLinearClamp);
-    let L2: BokehLine = BokehLineSum(Strip2Samp, uv, 2, polygon, true, false, pixel.a, settings,
+    let L2: BokehLine = BokehLineSum(Strip2Samp, uv, 2, polygon, true, false, pixel, settings,
         BokehLinearClamp);
     return BokehResolved(L2.sum, pixel);
 }
@@ -937,9 +942,9 @@ fn BokehHexagonSecond(Strip2Samp: texture_2d<f32>, Strip3Samp: texture_2d<f32>, 
     polygon: BokehPolygon, settings: BokehSamplingSettings, BokehLinearClamp: sampler) -> vec4f
 {
     let pixel: vec4f = BokehFetch(Strip2Samp, uv, BokehLinearClamp);
-    let L2: BokehLine = BokehLineSum(Strip2Samp, uv, 2, polygon, true, true, pixel.a, settings,
+    let L2: BokehLine = BokehLineSum(Strip2Samp, uv, 2, polygon, true, true, pixel, settings,
         BokehLinearClamp);
-    let L3: BokehLine = BokehLineSum(Strip3Samp, uv, 3, polygon, true, true, pixel.a, settings,
+    let L3: BokehLine = BokehLineSum(Strip3Samp, uv, 3, polygon, true, true, pixel, settings,
         BokehLinearClamp);
     return BokehResolved(L2.sum + L3.sum, pixel);
 }
@@ -957,11 +962,11 @@ fn BokehOctagonSecond(Strip2Samp: texture_2d<f32>, Strip3Samp: texture_2d<f32>,
     BokehLinearClamp: sampler) -> vec4f
 {
     let pixel: vec4f = BokehFetch(Strip2Samp, uv, BokehLinearClamp);
-    let L2: BokehLine = BokehLineSum(Strip2Samp, uv, 2, polygon, true, false, pixel.a, settings,
+    let L2: BokehLine = BokehLineSum(Strip2Samp, uv, 2, polygon, true, false, pixel, settings,
         BokehLinearClamp);
-    let L3: BokehLine = BokehLineSum(Strip3Samp, uv, 3, polygon, true, false, pixel.a, settings,
+    let L3: BokehLine = BokehLineSum(Strip3Samp, uv, 3, polygon, true, false, pixel, settings,
         BokehLinearClamp);
-    let L4: BokehLine = BokehLineSum(Strip4Samp, uv, 4, polygon, true, false, pixel.a, settings,
+    let L4: BokehLine = BokehLineSum(Strip4Samp, uv, 4, polygon, true, false, pixel, settings,
         BokehLinearClamp);
     return BokehResolved(L2.sum + L3.sum + L4.sum, pixel);
 }
@@ -979,13 +984,13 @@ fn BokehDecagonSecond(Strip2Samp: texture_2d<f32>, Strip3Samp: texture_2d<f32>,
     settings: BokehSamplingSettings, BokehLinearClamp: sampler) -> vec4f
 {
     let pixel: vec4f = BokehFetch(Strip2Samp, uv, BokehLinearClamp);
-    let L2: BokehLine = BokehLineSum(Strip2Samp, uv, 2, polygon, true, false, pixel.a, settings,
+    let L2: BokehLine = BokehLineSum(Strip2Samp, uv, 2, polygon, true, false, pixel, settings,
         BokehLinearClamp);
-    let L3: BokehLine = BokehLineSum(Strip3Samp, uv, 3, polygon, true, false, pixel.a, settings,
+    let L3: BokehLine = BokehLineSum(Strip3Samp, uv, 3, polygon, true, false, pixel, settings,
         BokehLinearClamp);
-    let L4: BokehLine = BokehLineSum(Strip4Samp, uv, 4, polygon, true, false, pixel.a, settings,
+    let L4: BokehLine = BokehLineSum(Strip4Samp, uv, 4, polygon, true, false, pixel, settings,
         BokehLinearClamp);
-    let L5: BokehLine = BokehLineSum(Strip5Samp, uv, 5, polygon, true, false, pixel.a, settings,
+    let L5: BokehLine = BokehLineSum(Strip5Samp, uv, 5, polygon, true, false, pixel, settings,
         BokehLinearClamp);
     return BokehResolved(L2.sum + L3.sum + L4.sum + L5.sum, pixel);
 }

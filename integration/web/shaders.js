@@ -267,6 +267,8 @@ vec2 depthUV,vec2 imageSize,BokehLens lens,int kind,vec2 planes)
 {
 float depth=BokehLinearDepth(BokehFetchDepth(DepthSamp,depthUV),kind,planes.x,planes.y);
 float CoC=BokehSignedCoC(depth,lens);
+if(abs(CoC)*imageSize.y > 1.0)
+{
 vec4 neighbor=BokehBrightNeighbor(ColorSamp,uv,imageSize);
 if(max(neighbor.z,neighbor.w) > 0.0)
 {
@@ -274,6 +276,7 @@ vec2 offset=BokehToTexture(uv+neighbor.xy)-BokehToTexture(uv);
 depth=BokehLinearDepth(BokehFetchDepth(DepthSamp,depthUV+offset),kind,planes.x,
 planes.y);
 CoC=BokehLightCoC(CoC,BokehSignedCoC(depth,lens),neighbor.zw,imageSize.y);
+}
 }
 return BokehPackCoC(BokehFetchTexel(ColorSamp,BokehToTexture(uv)),CoC);
 }
@@ -452,12 +455,11 @@ float BokehNearRayWeight(float ratio)
 {
 return clamp(max(0.5+4.0*ratio,-ratio),0.5,1.0);
 }
-vec3 BokehFarRayWeight(float ratio,float samples,int i)
+vec2 BokehFarRayWeight(float ratio,float samples,int i)
 {
 float part=min(abs(ratio),1.0);
 float reached=clamp(part*samples-float(i),0.0,1.0);
-float weight=reached/max(part,0.25);
-return vec3(weight,reached,weight*clamp(4.0*ratio-3.0,0.0,1.0));
+return vec2(reached/max(part,0.25),reached);
 }
 struct BokehLine
 {
@@ -465,10 +467,11 @@ vec4 sum;
 float reached;
 };
 BokehLine BokehLineSum(BOKEH_TEXTURE tex,vec2 uv,int k,BokehPolygon polygon,bool secondPass,
-bool rays,float centerCoC,BokehSamplingSettings settings)
+bool rays,vec4 centerPixel,BokehSamplingSettings settings)
 {
 vec4 sum=vec4(0.0,0.0,0.0,0.0);
 float reached=0.0;
+float centerCoC=centerPixel.a;
 float CoC=BokehFilterCoC(abs(centerCoC),settings.imageHeight);
 if(CoC > 0.0)
 {
@@ -484,7 +487,6 @@ vec2 scale=vec2(CoC/settings.aspectRatio,CoC);
 vec2 first=uv+(segment.xy-segment.zw)*scale;
 vec2 sampleStep=segment.zw*scale*(2.0/samples);
 float inverseCoC=1.0/centerCoC;
-vec4 surface=vec4(0.0,0.0,0.0,0.0);
 for(int i=0;i < BOKEH_NUM_SAMPLES;i++)
 {
 if(BOKEH_SPACING > 0.0&&float(i) >= samples)
@@ -502,10 +504,9 @@ sum+=vec4(samplePixel.rgb,1.0)*(part*BokehNearRayWeight(ratio));
 }
 else
 {
-vec3 weights=BokehFarRayWeight(ratio,samples,i);
+vec2 weights=BokehFarRayWeight(ratio,samples,i);
 sum+=vec4(samplePixel.rgb,1.0)*weights.x;
 reached+=(samplePixel.r+samplePixel.g+samplePixel.b)*weights.y;
-surface+=vec4(samplePixel.rgb,1.0)*weights.z;
 }
 }
 else
@@ -516,9 +517,11 @@ sum+=vec4(samplePixel.rgb,1.0)*weight;
 }
 if(rays)
 {
-float covered=clamp((sum.a-samples)/max(surface.a,0.0001),0.0,1.0);
-sum-=surface*covered;
-reached-=(surface.r+surface.g+surface.b)*covered;
+float excess=max(sum.a-samples,0.0);
+vec4 mean=sum/max(sum.a,samples);
+vec4 removed=min(vec4(centerPixel.rgb,1.0),mean)*excess;
+sum-=removed;
+reached=max(reached-removed.r-removed.g-removed.b,0.0);
 }
 sum=sum/samples;
 reached=reached/samples;
@@ -550,13 +553,12 @@ BokehTargets BokehExactFirst(BOKEH_TEXTURE MapSamp,vec2 uv,int last,BokehPolygon
 BokehSamplingSettings settings)
 {
 vec4 centerPixel=BokehFetch(MapSamp,uv);
-float CoC=centerPixel.a;
 bool rays=false;
 if(last < 4)
 {
 rays=polygon.sides==6;
 }
-BokehLine L1=BokehLineSum(MapSamp,uv,1,polygon,false,rays,CoC,settings);
+BokehLine L1=BokehLineSum(MapSamp,uv,1,polygon,false,rays,centerPixel,settings);
 BokehLine L2;
 L2.sum=vec4(0.0,0.0,0.0,0.0);
 L2.reached=0.0;
@@ -564,15 +566,15 @@ BokehLine L3=L2;
 BokehLine L4=L2;
 if(last > 2)
 {
-L2=BokehLineSum(MapSamp,uv,2,polygon,false,rays,CoC,settings);
+L2=BokehLineSum(MapSamp,uv,2,polygon,false,rays,centerPixel,settings);
 }
 if(last > 3)
 {
-L3=BokehLineSum(MapSamp,uv,3,polygon,false,rays,CoC,settings);
+L3=BokehLineSum(MapSamp,uv,3,polygon,false,rays,centerPixel,settings);
 }
 if(last > 4)
 {
-L4=BokehLineSum(MapSamp,uv,4,polygon,false,rays,CoC,settings);
+L4=BokehLineSum(MapSamp,uv,4,polygon,false,rays,centerPixel,settings);
 }
 BokehTargets targets;
 targets.strip2=BokehExactTarget(2,polygon,rays,L1,L2,L3,L4,centerPixel);
@@ -590,7 +592,7 @@ vec4 BokehSquareSecond(BOKEH_TEXTURE Strip2Samp,vec2 uv,BokehPolygon polygon,
 BokehSamplingSettings settings)
 {
 vec4 pixel=BokehFetch(Strip2Samp,uv);
-BokehLine L2=BokehLineSum(Strip2Samp,uv,2,polygon,true,false,pixel.a,settings);
+BokehLine L2=BokehLineSum(Strip2Samp,uv,2,polygon,true,false,pixel,settings);
 return BokehResolved(L2.sum,pixel);
 }
 BokehTargets BokehHexagonFirst(BOKEH_TEXTURE MapSamp,vec2 uv,BokehPolygon polygon,
@@ -602,8 +604,8 @@ vec4 BokehHexagonSecond(BOKEH_TEXTURE Strip2Samp,BOKEH_TEXTURE Strip3Samp,vec2 u
 BokehPolygon polygon,BokehSamplingSettings settings)
 {
 vec4 pixel=BokehFetch(Strip2Samp,uv);
-BokehLine L2=BokehLineSum(Strip2Samp,uv,2,polygon,true,true,pixel.a,settings);
-BokehLine L3=BokehLineSum(Strip3Samp,uv,3,polygon,true,true,pixel.a,settings);
+BokehLine L2=BokehLineSum(Strip2Samp,uv,2,polygon,true,true,pixel,settings);
+BokehLine L3=BokehLineSum(Strip3Samp,uv,3,polygon,true,true,pixel,settings);
 return BokehResolved(L2.sum+L3.sum,pixel);
 }
 BokehTargets BokehOctagonFirst(BOKEH_TEXTURE MapSamp,vec2 uv,BokehPolygon polygon,
@@ -615,9 +617,9 @@ vec4 BokehOctagonSecond(BOKEH_TEXTURE Strip2Samp,BOKEH_TEXTURE Strip3Samp,
 BOKEH_TEXTURE Strip4Samp,vec2 uv,BokehPolygon polygon,BokehSamplingSettings settings)
 {
 vec4 pixel=BokehFetch(Strip2Samp,uv);
-BokehLine L2=BokehLineSum(Strip2Samp,uv,2,polygon,true,false,pixel.a,settings);
-BokehLine L3=BokehLineSum(Strip3Samp,uv,3,polygon,true,false,pixel.a,settings);
-BokehLine L4=BokehLineSum(Strip4Samp,uv,4,polygon,true,false,pixel.a,settings);
+BokehLine L2=BokehLineSum(Strip2Samp,uv,2,polygon,true,false,pixel,settings);
+BokehLine L3=BokehLineSum(Strip3Samp,uv,3,polygon,true,false,pixel,settings);
+BokehLine L4=BokehLineSum(Strip4Samp,uv,4,polygon,true,false,pixel,settings);
 return BokehResolved(L2.sum+L3.sum+L4.sum,pixel);
 }
 BokehTargets BokehDecagonFirst(BOKEH_TEXTURE MapSamp,vec2 uv,BokehPolygon polygon,
@@ -630,10 +632,10 @@ BOKEH_TEXTURE Strip4Samp,BOKEH_TEXTURE Strip5Samp,vec2 uv,BokehPolygon polygon,
 BokehSamplingSettings settings)
 {
 vec4 pixel=BokehFetch(Strip2Samp,uv);
-BokehLine L2=BokehLineSum(Strip2Samp,uv,2,polygon,true,false,pixel.a,settings);
-BokehLine L3=BokehLineSum(Strip3Samp,uv,3,polygon,true,false,pixel.a,settings);
-BokehLine L4=BokehLineSum(Strip4Samp,uv,4,polygon,true,false,pixel.a,settings);
-BokehLine L5=BokehLineSum(Strip5Samp,uv,5,polygon,true,false,pixel.a,settings);
+BokehLine L2=BokehLineSum(Strip2Samp,uv,2,polygon,true,false,pixel,settings);
+BokehLine L3=BokehLineSum(Strip3Samp,uv,3,polygon,true,false,pixel,settings);
+BokehLine L4=BokehLineSum(Strip4Samp,uv,4,polygon,true,false,pixel,settings);
+BokehLine L5=BokehLineSum(Strip5Samp,uv,5,polygon,true,false,pixel,settings);
 return BokehResolved(L2.sum+L3.sum+L4.sum+L5.sum,pixel);
 }
 `,
@@ -2129,6 +2131,8 @@ depthUV:vec2f,imageSize:vec2f,lens:BokehLens,kind:i32,planes:vec2f)->vec4f
 var depth=BokehLinearDepth(BokehFetchDepth(DepthSamp,depthUV),kind,planes.x,
 planes.y);
 var CoC=BokehSignedCoC(depth,lens);
+if(abs(CoC)*imageSize.y > 1.0)
+{
 let neighbor=BokehBrightNeighbor(ColorSamp,uv,imageSize);
 if(max(neighbor.z,neighbor.w) > 0.0)
 {
@@ -2136,6 +2140,7 @@ let offset=BokehToTexture(uv+neighbor.xy)-BokehToTexture(uv);
 depth=BokehLinearDepth(BokehFetchDepth(DepthSamp,depthUV+offset),kind,planes.x,
 planes.y);
 CoC=BokehLightCoC(CoC,BokehSignedCoC(depth,lens),neighbor.zw,imageSize.y);
+}
 }
 return BokehPackCoC(BokehFetchTexel(ColorSamp,BokehToTexture(uv)),CoC);
 }
@@ -2316,12 +2321,11 @@ fn BokehNearRayWeight(ratio:f32)->f32
 {
 return clamp(max(0.5+4.0*ratio,-ratio),0.5,1.0);
 }
-fn BokehFarRayWeight(ratio:f32,samples:f32,i:i32)->vec3f
+fn BokehFarRayWeight(ratio:f32,samples:f32,i:i32)->vec2f
 {
 let part=min(abs(ratio),1.0);
 let reached=clamp(part*samples-f32(i),0.0,1.0);
-let weight=reached/max(part,0.25);
-return vec3f(weight,reached,weight*clamp(4.0*ratio-3.0,0.0,1.0));
+return vec2f(reached/max(part,0.25),reached);
 }
 struct BokehLine
 {
@@ -2329,11 +2333,12 @@ sum:vec4f,
 reached:f32,
 }
 fn BokehLineSum(tex:texture_2d<f32>,uv:vec2f,k:i32,polygon:BokehPolygon,secondPass:bool,
-rays:bool,centerCoC:f32,settings:BokehSamplingSettings,
+rays:bool,centerPixel:vec4f,settings:BokehSamplingSettings,
 BokehLinearClamp:sampler)->BokehLine
 {
 var sum=vec4f(0.0,0.0,0.0,0.0);
 var reached=0.0;
+let centerCoC=centerPixel.a;
 let CoC=BokehFilterCoC(abs(centerCoC),settings.imageHeight);
 if(CoC > 0.0)
 {
@@ -2349,7 +2354,6 @@ let scale=vec2f(CoC/settings.aspectRatio,CoC);
 let first=uv+(segment.xy-segment.zw)*scale;
 let sampleStep=segment.zw*scale*(2.0/samples);
 let inverseCoC=1.0/centerCoC;
-var surface=vec4f(0.0,0.0,0.0,0.0);
 for(var i=0;i < BOKEH_NUM_SAMPLES;i++)
 {
 if(BOKEH_SPACING > 0.0&&f32(i) >= samples)
@@ -2371,7 +2375,6 @@ else
 let weights=BokehFarRayWeight(ratio,samples,i);
 sum+=vec4f(samplePixel.rgb,1.0)*weights.x;
 reached+=(samplePixel.r+samplePixel.g+samplePixel.b)*weights.y;
-surface+=vec4f(samplePixel.rgb,1.0)*weights.z;
 }
 }
 else
@@ -2383,9 +2386,11 @@ sum+=vec4f(samplePixel.rgb,1.0)*weight;
 }
 if(rays)
 {
-let covered=clamp((sum.a-samples)/max(surface.a,0.0001),0.0,1.0);
-sum-=surface*covered;
-reached-=(surface.r+surface.g+surface.b)*covered;
+let excess=max(sum.a-samples,0.0);
+let mean=sum/max(sum.a,samples);
+let removed=min(vec4f(centerPixel.rgb,1.0),mean)*excess;
+sum-=removed;
+reached=max(reached-removed.r-removed.g-removed.b,0.0);
 }
 sum=sum/samples;
 reached=reached/samples;
@@ -2418,13 +2423,12 @@ fn BokehExactFirst(MapSamp:texture_2d<f32>,uv:vec2f,last:i32,polygon:BokehPolygo
 settings:BokehSamplingSettings,BokehLinearClamp:sampler)->BokehTargets
 {
 let centerPixel=BokehFetch(MapSamp,uv,BokehLinearClamp);
-let CoC=centerPixel.a;
 var rays=false;
 if(last < 4)
 {
 rays=polygon.sides==6;
 }
-let L1=BokehLineSum(MapSamp,uv,1,polygon,false,rays,CoC,settings,
+let L1=BokehLineSum(MapSamp,uv,1,polygon,false,rays,centerPixel,settings,
 BokehLinearClamp);
 var L2:BokehLine;
 L2.sum=vec4f(0.0,0.0,0.0,0.0);
@@ -2433,15 +2437,18 @@ var L3=L2;
 var L4=L2;
 if(last > 2)
 {
-L2=BokehLineSum(MapSamp,uv,2,polygon,false,rays,CoC,settings,BokehLinearClamp);
+L2=BokehLineSum(MapSamp,uv,2,polygon,false,rays,centerPixel,settings,
+BokehLinearClamp);
 }
 if(last > 3)
 {
-L3=BokehLineSum(MapSamp,uv,3,polygon,false,rays,CoC,settings,BokehLinearClamp);
+L3=BokehLineSum(MapSamp,uv,3,polygon,false,rays,centerPixel,settings,
+BokehLinearClamp);
 }
 if(last > 4)
 {
-L4=BokehLineSum(MapSamp,uv,4,polygon,false,rays,CoC,settings,BokehLinearClamp);
+L4=BokehLineSum(MapSamp,uv,4,polygon,false,rays,centerPixel,settings,
+BokehLinearClamp);
 }
 var targets:BokehTargets;
 targets.strip2=BokehExactTarget(2,polygon,rays,L1,L2,L3,L4,centerPixel);
@@ -2459,7 +2466,7 @@ fn BokehSquareSecond(Strip2Samp:texture_2d<f32>,uv:vec2f,polygon:BokehPolygon,
 settings:BokehSamplingSettings,BokehLinearClamp:sampler)->vec4f
 {
 let pixel=BokehFetch(Strip2Samp,uv,BokehLinearClamp);
-let L2=BokehLineSum(Strip2Samp,uv,2,polygon,true,false,pixel.a,settings,
+let L2=BokehLineSum(Strip2Samp,uv,2,polygon,true,false,pixel,settings,
 BokehLinearClamp);
 return BokehResolved(L2.sum,pixel);
 }
@@ -2472,9 +2479,9 @@ fn BokehHexagonSecond(Strip2Samp:texture_2d<f32>,Strip3Samp:texture_2d<f32>,uv:v
 polygon:BokehPolygon,settings:BokehSamplingSettings,BokehLinearClamp:sampler)->vec4f
 {
 let pixel=BokehFetch(Strip2Samp,uv,BokehLinearClamp);
-let L2=BokehLineSum(Strip2Samp,uv,2,polygon,true,true,pixel.a,settings,
+let L2=BokehLineSum(Strip2Samp,uv,2,polygon,true,true,pixel,settings,
 BokehLinearClamp);
-let L3=BokehLineSum(Strip3Samp,uv,3,polygon,true,true,pixel.a,settings,
+let L3=BokehLineSum(Strip3Samp,uv,3,polygon,true,true,pixel,settings,
 BokehLinearClamp);
 return BokehResolved(L2.sum+L3.sum,pixel);
 }
@@ -2488,11 +2495,11 @@ Strip4Samp:texture_2d<f32>,uv:vec2f,polygon:BokehPolygon,settings:BokehSamplingS
 BokehLinearClamp:sampler)->vec4f
 {
 let pixel=BokehFetch(Strip2Samp,uv,BokehLinearClamp);
-let L2=BokehLineSum(Strip2Samp,uv,2,polygon,true,false,pixel.a,settings,
+let L2=BokehLineSum(Strip2Samp,uv,2,polygon,true,false,pixel,settings,
 BokehLinearClamp);
-let L3=BokehLineSum(Strip3Samp,uv,3,polygon,true,false,pixel.a,settings,
+let L3=BokehLineSum(Strip3Samp,uv,3,polygon,true,false,pixel,settings,
 BokehLinearClamp);
-let L4=BokehLineSum(Strip4Samp,uv,4,polygon,true,false,pixel.a,settings,
+let L4=BokehLineSum(Strip4Samp,uv,4,polygon,true,false,pixel,settings,
 BokehLinearClamp);
 return BokehResolved(L2.sum+L3.sum+L4.sum,pixel);
 }
@@ -2506,13 +2513,13 @@ Strip4Samp:texture_2d<f32>,Strip5Samp:texture_2d<f32>,uv:vec2f,polygon:BokehPoly
 settings:BokehSamplingSettings,BokehLinearClamp:sampler)->vec4f
 {
 let pixel=BokehFetch(Strip2Samp,uv,BokehLinearClamp);
-let L2=BokehLineSum(Strip2Samp,uv,2,polygon,true,false,pixel.a,settings,
+let L2=BokehLineSum(Strip2Samp,uv,2,polygon,true,false,pixel,settings,
 BokehLinearClamp);
-let L3=BokehLineSum(Strip3Samp,uv,3,polygon,true,false,pixel.a,settings,
+let L3=BokehLineSum(Strip3Samp,uv,3,polygon,true,false,pixel,settings,
 BokehLinearClamp);
-let L4=BokehLineSum(Strip4Samp,uv,4,polygon,true,false,pixel.a,settings,
+let L4=BokehLineSum(Strip4Samp,uv,4,polygon,true,false,pixel,settings,
 BokehLinearClamp);
-let L5=BokehLineSum(Strip5Samp,uv,5,polygon,true,false,pixel.a,settings,
+let L5=BokehLineSum(Strip5Samp,uv,5,polygon,true,false,pixel,settings,
 BokehLinearClamp);
 return BokehResolved(L2.sum+L3.sum+L4.sum+L5.sum,pixel);
 }

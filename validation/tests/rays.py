@@ -14,8 +14,6 @@ from bokeh_validation.reference import sampling
 Cell = tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]
 # Behind the focus: how much denser than its surroundings a light may be. In front of it: the weight of a sharp sample
 MOST_DENSITY, SHARP = 4.0, 0.5
-# Fraction of the pixel's CoC from which a sample belongs partly to the pixel's surface
-SURFACE = 0.75
 # A little above 1, so that rounding does not change a constant CoC
 HANDED_ON = 1.001
 
@@ -35,9 +33,23 @@ class Gathered:
     weights: np.ndarray
     reached: np.ndarray
 
+    @property
+    def excess(self) -> np.ndarray:
+        """Return by how much the weights exceed the line, (H, W); the pixel's own surface gives that up."""
+        return np.maximum(self.weights.sum(axis=0) - 1.0, 0.0)
+
+    def removed(self, center: np.ndarray) -> np.ndarray:
+        """Return the colour times weight that the surface gives up, (H, W, 3), for centre pixels (H, W, C).
+
+        The colour of the surface is taken for that of the pixel, or for the mean of the line if that is darker.
+        """
+        with np.errstate(invalid="ignore", divide="ignore"):
+            mean = (self.samples[..., :3] * self.weights[..., None]).sum(axis=0) / self.weights.sum(axis=0)[..., None]
+        return np.where(self.excess[..., None] > 0.0, np.minimum(center[..., :3], mean) * self.excess[..., None], 0.0)
+
 
 def weights(sample_coc, center_coc, begin, end):
-    """Return (weight, weight without density, the part of the weight that is the pixel's own surface) of a cell.
+    """Return (weight, weight without density) of a cell.
 
     Behind the focus, the blur of a sample with CoC s covers s / c of the line of a pixel with CoC c. In front of the
     focus it covers all of it, and a sample is weighted by its size, at least by half; the weight of a sample in front
@@ -53,23 +65,19 @@ def weights(sample_coc, center_coc, begin, end):
         np.minimum(end, ratio) - np.minimum(begin, ratio),
     )
     weight = reached * np.where(is_near, 1.0, np.minimum(1.0 / np.maximum(ratio, 1e-9), MOST_DENSITY))
-    return weight, reached, weight * np.clip((side - SURFACE) / (1.0 - SURFACE), 0.0, 1.0)
+    return weight, reached
 
 
 def gathered(cells: Iterable[Cell], source: np.ndarray, center_coc: np.ndarray) -> Gathered:
-    """Gather along a line through a texture (H, W, C) with the CoC in its last channel.
-
-    If the weights exceed the line, the part of the pixel's own surface is reduced accordingly.
-    """
+    """Gather along a line through a texture (H, W, C) with the CoC in its last channel."""
     row, column = np.mgrid[0 : len(source), 0 : source.shape[1]] + 0.5
     samples, cell_weights, widths = [], [], []
     for x, y, begin, end in cells:
         samples.append(sampling.bilinear(source, column + x, row + y))
         cell_weights.append(weights(samples[-1][..., -1], center_coc, begin, end))
         widths.append(np.broadcast_to(end - begin, center_coc.shape))
-    weight, reached, surface = np.moveaxis(np.array(cell_weights), 1, 0)
-    covered = np.clip((weight.sum(axis=0) - 1.0) / np.maximum(surface.sum(axis=0), 1e-5), 0.0, 1.0)
-    return Gathered(np.array(samples), np.array(widths), weight - covered * surface, reached - covered * surface)
+    weight, reached = np.moveaxis(np.array(cell_weights), 1, 0)
+    return Gathered(np.array(samples), np.array(widths), weight, reached)
 
 
 def target(lines: Sequence[tuple[Gathered, float | np.ndarray]], center: np.ndarray, hands_on: bool) -> np.ndarray:
@@ -82,10 +90,13 @@ def target(lines: Sequence[tuple[Gathered, float | np.ndarray]], center: np.ndar
     color, total, light, reached = np.zeros_like(center[..., :3]), 0.0, 0.0, 0.0
     for line, share in lines:
         brightness = line.samples[..., :3].sum(axis=-1)
-        color = color + np.asarray(share)[..., None] * (line.samples[..., :3] * line.weights[..., None]).sum(axis=0)
-        total = total + share * line.weights.sum(axis=0)
-        light = light + share * (line.weights * brightness).sum(axis=0)
-        reached = reached + share * (line.reached * brightness).sum(axis=0)
+        removed = line.removed(center)
+        gathered_color = (line.samples[..., :3] * line.weights[..., None]).sum(axis=0) - removed
+        color = color + np.asarray(share)[..., None] * gathered_color
+        total = total + share * (line.weights.sum(axis=0) - line.excess)
+        light = light + share * gathered_color.sum(axis=-1)
+        line_reached = (line.reached * brightness).sum(axis=0) - removed.sum(axis=-1)
+        reached = reached + share * np.maximum(line_reached, 0.0)
     with np.errstate(invalid="ignore", divide="ignore"):
         mean = np.where(total[..., None] > 0.0, color / total[..., None], center[..., :3])
         smaller = np.where(light > 0.0, np.minimum(reached / light * HANDED_ON, 1.0), 1.0)

@@ -14,6 +14,11 @@ The bound is for one line of a pass between two frames, with the leakage test of
     g), and the sum of the weights is that of f'. So the change is (|x' - x| + D) / sum(f') of the contrast, where D is
     the sum of |(f' - g') - (f - g)|, and at most all of it. D is 0 if the CoC is the same everywhere.
     test_a_ray_has_no_step checks that f itself has no step.
+  * Where the weights of a ray exceed its cells by e, the ray gives up e times a colour r, the minimum of the pixel's
+    and the mean of the samples. That is one more sample with the weight -e, so D has |e' - e| too, and the weights add
+    up to T = sum(f) - e. Their magnitudes add up to G T, with G = (sum(f) + e) / T; so a change of a texel counts G
+    times, |x' - x| as well, and the result may leave the contrast by as much. r itself changes with the mean, which
+    the change of the weights moves by at most (|x' - x| + D) / sum(f') of the contrast: that counts e' / T times.
 
 Slope, contrast and change are the largest within the line's reach. If images are mixed, or combined by min or max, the
 result changes by no more than the image that changes most.
@@ -58,17 +63,23 @@ def allowed(render_pass: Pass, before: Outputs, after: Outputs) -> np.ndarray:
     return np.max(bounds, axis=0)
 
 
-def _ray_weights(render_pass: Pass, line: Line, read, coc) -> tuple[np.ndarray, np.ndarray]:
-    """Return D and sum(f') of the module's docstring, (H, W) each, in units of cells."""
-    frame_weights = []
+def _ray_weights(render_pass: Pass, line: Line, read, coc) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Return D, T and G of the module's docstring, (H, W) each; D and T in units of cells.
+
+    D is larger by the factor 1 + e' / sum(f'), for what the mean in r moves.
+    """
+    frame_weights, sums = [], []
     for source, center in zip(read, coc, strict=True):
         ray = rays.gathered(cells(render_pass, line, center), source, center)
         # the first cell has the full length
-        frame_weights.append((ray.weights / ray.cells[0], (ray.weights - ray.cells) / ray.cells[0]))
-    (_, before), (weights, after) = frame_weights
-    count = max(len(before), len(after))
-    before, after = (np.pad(excess, ((0, count - len(excess)), (0, 0), (0, 0))) for excess in (before, after))
-    return np.abs(after - before).sum(axis=0), weights.sum(axis=0)
+        frame_weights.append((ray.weights - ray.cells) / ray.cells[0])
+        sums.append((ray.weights.sum(axis=0) / ray.cells[0], ray.excess / ray.cells[0]))
+    count = max(map(len, frame_weights))
+    before, after = (np.pad(more, ((0, count - len(more)), (0, 0), (0, 0))) for more in frame_weights)
+    (_, old_excess), (total, excess) = sums
+    moved = np.abs(after - before).sum(axis=0) + np.abs(excess - old_excess)
+    rest = np.maximum(total - excess, 1e-9)
+    return moved * (1.0 + excess / np.maximum(total, 1e-9)), rest, (total + excess) / rest
 
 
 def _line_change(line: Segment, render_pass: Pass, before: np.ndarray, after: np.ndarray, coc, weights) -> np.ndarray:
@@ -90,9 +101,9 @@ def _line_change(line: Segment, render_pass: Pass, before: np.ndarray, after: np
         ..., None
     ] * down
     contrast = largest_within(after, radius) + largest_within(-after, radius)
-    reweighed, total = (0.0, count[1]) if weights is None else weights
-    share = (np.abs(count[1] - count[0]) + reweighed) / np.maximum(total, 1e-9)
-    change += np.minimum(share, 1.0)[..., None] * contrast
+    reweighed, total, magnitude = (0.0, count[1], np.ones_like(count[1])) if weights is None else weights
+    share = (np.abs(count[1] - count[0]) * magnitude + reweighed) / np.maximum(total, 1e-9)
+    change = magnitude[..., None] * change + np.minimum(share, magnitude)[..., None] * contrast
     change += (STORE_STEP + 2 * (render_pass.samples + 8) * precision.FLOAT_STEP) * largest_within(
         after + change, radius
     )

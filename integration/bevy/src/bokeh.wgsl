@@ -201,6 +201,8 @@ depthUV: vec2f, imageSize: vec2f, lens: BokehLens, kind: i32, planes: vec2f) -> 
 var depth: f32 = BokehLinearDepth(BokehFetchDepth(DepthSamp, depthUV), kind, planes.x,
 planes.y);
 var CoC: f32 = BokehSignedCoC(depth, lens);
+if (abs(CoC) * imageSize.y > 1.0)
+{
 let neighbor: vec4f = BokehBrightNeighbor(ColorSamp, uv, imageSize);
 if (max(neighbor.z, neighbor.w) > 0.0)
 {
@@ -208,6 +210,7 @@ let offset: vec2f = BokehToTexture(uv + neighbor.xy) - BokehToTexture(uv);
 depth = BokehLinearDepth(BokehFetchDepth(DepthSamp, depthUV + offset), kind, planes.x,
 planes.y);
 CoC = BokehLightCoC(CoC, BokehSignedCoC(depth, lens), neighbor.zw, imageSize.y);
+}
 }
 return BokehPackCoC(BokehFetchTexel(ColorSamp, BokehToTexture(uv)), CoC);
 }
@@ -388,12 +391,11 @@ fn BokehNearRayWeight(ratio: f32) -> f32
 {
 return clamp(max(0.5 + 4.0 * ratio, -ratio), 0.5, 1.0);
 }
-fn BokehFarRayWeight(ratio: f32, samples: f32, i: i32) -> vec3f
+fn BokehFarRayWeight(ratio: f32, samples: f32, i: i32) -> vec2f
 {
 let part: f32 = min(abs(ratio), 1.0);
 let reached: f32 = clamp(part * samples - f32(i), 0.0, 1.0);
-let weight: f32 = reached / max(part, 0.25);
-return vec3f(weight, reached, weight * clamp(4.0 * ratio - 3.0, 0.0, 1.0));
+return vec2f(reached / max(part, 0.25), reached);
 }
 struct BokehLine
 {
@@ -401,11 +403,12 @@ sum: vec4f,
 reached: f32,
 }
 fn BokehLineSum(tex: texture_2d<f32>, uv: vec2f, k: i32, polygon: BokehPolygon, secondPass: bool,
-rays: bool, centerCoC: f32, settings: BokehSamplingSettings,
+rays: bool, centerPixel: vec4f, settings: BokehSamplingSettings,
 BokehLinearClamp: sampler) -> BokehLine
 {
 var sum: vec4f = vec4f(0.0, 0.0, 0.0, 0.0);
 var reached: f32 = 0.0;
+let centerCoC: f32 = centerPixel.a;
 let CoC: f32 = BokehFilterCoC(abs(centerCoC), settings.imageHeight);
 if (CoC > 0.0)
 {
@@ -421,7 +424,6 @@ let scale: vec2f = vec2f(CoC / settings.aspectRatio, CoC);
 let first: vec2f = uv + (segment.xy - segment.zw) * scale;
 let sampleStep: vec2f = segment.zw * scale * (2.0 / samples);
 let inverseCoC: f32 = 1.0 / centerCoC;
-var surface: vec4f = vec4f(0.0, 0.0, 0.0, 0.0);
 for (var i: i32 = 0; i < BOKEH_NUM_SAMPLES; i++)
 {
 if (BOKEH_SPACING > 0.0 && f32(i) >= samples)
@@ -440,10 +442,9 @@ sum += vec4f(samplePixel.rgb, 1.0) * (part * BokehNearRayWeight(ratio));
 }
 else
 {
-let weights: vec3f = BokehFarRayWeight(ratio, samples, i);
+let weights: vec2f = BokehFarRayWeight(ratio, samples, i);
 sum += vec4f(samplePixel.rgb, 1.0) * weights.x;
 reached += (samplePixel.r + samplePixel.g + samplePixel.b) * weights.y;
-surface += vec4f(samplePixel.rgb, 1.0) * weights.z;
 }
 }
 else
@@ -455,9 +456,11 @@ sum += vec4f(samplePixel.rgb, 1.0) * weight;
 }
 if (rays)
 {
-let covered: f32 = clamp((sum.a - samples) / max(surface.a, 0.0001), 0.0, 1.0);
-sum -= surface * covered;
-reached -= (surface.r + surface.g + surface.b) * covered;
+let excess: f32 = max(sum.a - samples, 0.0);
+let mean: vec4f = sum / max(sum.a, samples);
+let removed: vec4f = min(vec4f(centerPixel.rgb, 1.0), mean) * excess;
+sum -= removed;
+reached = max(reached - removed.r - removed.g - removed.b, 0.0);
 }
 sum = sum / samples;
 reached = reached / samples;
@@ -490,13 +493,12 @@ fn BokehExactFirst(MapSamp: texture_2d<f32>, uv: vec2f, last: i32, polygon: Boke
 settings: BokehSamplingSettings, BokehLinearClamp: sampler) -> BokehTargets
 {
 let centerPixel: vec4f = BokehFetch(MapSamp, uv, BokehLinearClamp);
-let CoC: f32 = centerPixel.a;
 var rays: bool = false;
 if (last < 4)
 {
 rays = polygon.sides == 6;
 }
-let L1: BokehLine = BokehLineSum(MapSamp, uv, 1, polygon, false, rays, CoC, settings,
+let L1: BokehLine = BokehLineSum(MapSamp, uv, 1, polygon, false, rays, centerPixel, settings,
 BokehLinearClamp);
 var L2: BokehLine;
 L2.sum = vec4f(0.0, 0.0, 0.0, 0.0);
@@ -505,15 +507,18 @@ var L3: BokehLine = L2;
 var L4: BokehLine = L2;
 if (last > 2)
 {
-L2 = BokehLineSum(MapSamp, uv, 2, polygon, false, rays, CoC, settings, BokehLinearClamp);
+L2 = BokehLineSum(MapSamp, uv, 2, polygon, false, rays, centerPixel, settings,
+BokehLinearClamp);
 }
 if (last > 3)
 {
-L3 = BokehLineSum(MapSamp, uv, 3, polygon, false, rays, CoC, settings, BokehLinearClamp);
+L3 = BokehLineSum(MapSamp, uv, 3, polygon, false, rays, centerPixel, settings,
+BokehLinearClamp);
 }
 if (last > 4)
 {
-L4 = BokehLineSum(MapSamp, uv, 4, polygon, false, rays, CoC, settings, BokehLinearClamp);
+L4 = BokehLineSum(MapSamp, uv, 4, polygon, false, rays, centerPixel, settings,
+BokehLinearClamp);
 }
 var targets: BokehTargets;
 targets.strip2 = BokehExactTarget(2, polygon, rays, L1, L2, L3, L4, centerPixel);
@@ -531,7 +536,7 @@ fn BokehSquareSecond(Strip2Samp: texture_2d<f32>, uv: vec2f, polygon: BokehPolyg
 settings: BokehSamplingSettings, BokehLinearClamp: sampler) -> vec4f
 {
 let pixel: vec4f = BokehFetch(Strip2Samp, uv, BokehLinearClamp);
-let L2: BokehLine = BokehLineSum(Strip2Samp, uv, 2, polygon, true, false, pixel.a, settings,
+let L2: BokehLine = BokehLineSum(Strip2Samp, uv, 2, polygon, true, false, pixel, settings,
 BokehLinearClamp);
 return BokehResolved(L2.sum, pixel);
 }
@@ -544,9 +549,9 @@ fn BokehHexagonSecond(Strip2Samp: texture_2d<f32>, Strip3Samp: texture_2d<f32>, 
 polygon: BokehPolygon, settings: BokehSamplingSettings, BokehLinearClamp: sampler) -> vec4f
 {
 let pixel: vec4f = BokehFetch(Strip2Samp, uv, BokehLinearClamp);
-let L2: BokehLine = BokehLineSum(Strip2Samp, uv, 2, polygon, true, true, pixel.a, settings,
+let L2: BokehLine = BokehLineSum(Strip2Samp, uv, 2, polygon, true, true, pixel, settings,
 BokehLinearClamp);
-let L3: BokehLine = BokehLineSum(Strip3Samp, uv, 3, polygon, true, true, pixel.a, settings,
+let L3: BokehLine = BokehLineSum(Strip3Samp, uv, 3, polygon, true, true, pixel, settings,
 BokehLinearClamp);
 return BokehResolved(L2.sum + L3.sum, pixel);
 }
@@ -560,11 +565,11 @@ Strip4Samp: texture_2d<f32>, uv: vec2f, polygon: BokehPolygon, settings: BokehSa
 BokehLinearClamp: sampler) -> vec4f
 {
 let pixel: vec4f = BokehFetch(Strip2Samp, uv, BokehLinearClamp);
-let L2: BokehLine = BokehLineSum(Strip2Samp, uv, 2, polygon, true, false, pixel.a, settings,
+let L2: BokehLine = BokehLineSum(Strip2Samp, uv, 2, polygon, true, false, pixel, settings,
 BokehLinearClamp);
-let L3: BokehLine = BokehLineSum(Strip3Samp, uv, 3, polygon, true, false, pixel.a, settings,
+let L3: BokehLine = BokehLineSum(Strip3Samp, uv, 3, polygon, true, false, pixel, settings,
 BokehLinearClamp);
-let L4: BokehLine = BokehLineSum(Strip4Samp, uv, 4, polygon, true, false, pixel.a, settings,
+let L4: BokehLine = BokehLineSum(Strip4Samp, uv, 4, polygon, true, false, pixel, settings,
 BokehLinearClamp);
 return BokehResolved(L2.sum + L3.sum + L4.sum, pixel);
 }
@@ -578,13 +583,13 @@ Strip4Samp: texture_2d<f32>, Strip5Samp: texture_2d<f32>, uv: vec2f, polygon: Bo
 settings: BokehSamplingSettings, BokehLinearClamp: sampler) -> vec4f
 {
 let pixel: vec4f = BokehFetch(Strip2Samp, uv, BokehLinearClamp);
-let L2: BokehLine = BokehLineSum(Strip2Samp, uv, 2, polygon, true, false, pixel.a, settings,
+let L2: BokehLine = BokehLineSum(Strip2Samp, uv, 2, polygon, true, false, pixel, settings,
 BokehLinearClamp);
-let L3: BokehLine = BokehLineSum(Strip3Samp, uv, 3, polygon, true, false, pixel.a, settings,
+let L3: BokehLine = BokehLineSum(Strip3Samp, uv, 3, polygon, true, false, pixel, settings,
 BokehLinearClamp);
-let L4: BokehLine = BokehLineSum(Strip4Samp, uv, 4, polygon, true, false, pixel.a, settings,
+let L4: BokehLine = BokehLineSum(Strip4Samp, uv, 4, polygon, true, false, pixel, settings,
 BokehLinearClamp);
-let L5: BokehLine = BokehLineSum(Strip5Samp, uv, 5, polygon, true, false, pixel.a, settings,
+let L5: BokehLine = BokehLineSum(Strip5Samp, uv, 5, polygon, true, false, pixel, settings,
 BokehLinearClamp);
 return BokehResolved(L2.sum + L3.sum + L4.sum + L5.sum, pixel);
 }

@@ -265,6 +265,8 @@ vec2 depthUV, vec2 imageSize, BokehLens lens, int kind, vec2 planes)
 {
 float depth = BokehLinearDepth(BokehFetchDepth(DepthSamp, depthUV), kind, planes.x, planes.y);
 float CoC = BokehSignedCoC(depth, lens);
+if (abs(CoC) * imageSize.y > 1.0)
+{
 vec4 neighbor = BokehBrightNeighbor(ColorSamp, uv, imageSize);
 if (max(neighbor.z, neighbor.w) > 0.0)
 {
@@ -272,6 +274,7 @@ vec2 offset = BokehToTexture(uv + neighbor.xy) - BokehToTexture(uv);
 depth = BokehLinearDepth(BokehFetchDepth(DepthSamp, depthUV + offset), kind, planes.x,
 planes.y);
 CoC = BokehLightCoC(CoC, BokehSignedCoC(depth, lens), neighbor.zw, imageSize.y);
+}
 }
 return BokehPackCoC(BokehFetchTexel(ColorSamp, BokehToTexture(uv)), CoC);
 }
@@ -450,12 +453,11 @@ float BokehNearRayWeight(float ratio)
 {
 return clamp(max(0.5 + 4.0 * ratio, -ratio), 0.5, 1.0);
 }
-vec3 BokehFarRayWeight(float ratio, float samples, int i)
+vec2 BokehFarRayWeight(float ratio, float samples, int i)
 {
 float part = min(abs(ratio), 1.0);
 float reached = clamp(part * samples - float(i), 0.0, 1.0);
-float weight = reached / max(part, 0.25);
-return vec3(weight, reached, weight * clamp(4.0 * ratio - 3.0, 0.0, 1.0));
+return vec2(reached / max(part, 0.25), reached);
 }
 struct BokehLine
 {
@@ -463,10 +465,11 @@ vec4 sum;
 float reached;
 };
 BokehLine BokehLineSum(BOKEH_TEXTURE tex, vec2 uv, int k, BokehPolygon polygon, bool secondPass,
-bool rays, float centerCoC, BokehSamplingSettings settings)
+bool rays, vec4 centerPixel, BokehSamplingSettings settings)
 {
 vec4 sum = vec4(0.0, 0.0, 0.0, 0.0);
 float reached = 0.0;
+float centerCoC = centerPixel.a;
 float CoC = BokehFilterCoC(abs(centerCoC), settings.imageHeight);
 if (CoC > 0.0)
 {
@@ -482,7 +485,6 @@ vec2 scale = vec2(CoC / settings.aspectRatio, CoC);
 vec2 first = uv + (segment.xy - segment.zw) * scale;
 vec2 sampleStep = segment.zw * scale * (2.0 / samples);
 float inverseCoC = 1.0 / centerCoC;
-vec4 surface = vec4(0.0, 0.0, 0.0, 0.0);
 for (int i = 0; i < BOKEH_NUM_SAMPLES; i++)
 {
 if (BOKEH_SPACING > 0.0 && float(i) >= samples)
@@ -500,10 +502,9 @@ sum += vec4(samplePixel.rgb, 1.0) * (part * BokehNearRayWeight(ratio));
 }
 else
 {
-vec3 weights = BokehFarRayWeight(ratio, samples, i);
+vec2 weights = BokehFarRayWeight(ratio, samples, i);
 sum += vec4(samplePixel.rgb, 1.0) * weights.x;
 reached += (samplePixel.r + samplePixel.g + samplePixel.b) * weights.y;
-surface += vec4(samplePixel.rgb, 1.0) * weights.z;
 }
 }
 else
@@ -514,9 +515,11 @@ sum += vec4(samplePixel.rgb, 1.0) * weight;
 }
 if (rays)
 {
-float covered = clamp((sum.a - samples) / max(surface.a, 0.0001), 0.0, 1.0);
-sum -= surface * covered;
-reached -= (surface.r + surface.g + surface.b) * covered;
+float excess = max(sum.a - samples, 0.0);
+vec4 mean = sum / max(sum.a, samples);
+vec4 removed = min(vec4(centerPixel.rgb, 1.0), mean) * excess;
+sum -= removed;
+reached = max(reached - removed.r - removed.g - removed.b, 0.0);
 }
 sum = sum / samples;
 reached = reached / samples;
@@ -548,13 +551,12 @@ BokehTargets BokehExactFirst(BOKEH_TEXTURE MapSamp, vec2 uv, int last, BokehPoly
 BokehSamplingSettings settings)
 {
 vec4 centerPixel = BokehFetch(MapSamp, uv);
-float CoC = centerPixel.a;
 bool rays = false;
 if (last < 4)
 {
 rays = polygon.sides == 6;
 }
-BokehLine L1 = BokehLineSum(MapSamp, uv, 1, polygon, false, rays, CoC, settings);
+BokehLine L1 = BokehLineSum(MapSamp, uv, 1, polygon, false, rays, centerPixel, settings);
 BokehLine L2;
 L2.sum = vec4(0.0, 0.0, 0.0, 0.0);
 L2.reached = 0.0;
@@ -562,15 +564,15 @@ BokehLine L3 = L2;
 BokehLine L4 = L2;
 if (last > 2)
 {
-L2 = BokehLineSum(MapSamp, uv, 2, polygon, false, rays, CoC, settings);
+L2 = BokehLineSum(MapSamp, uv, 2, polygon, false, rays, centerPixel, settings);
 }
 if (last > 3)
 {
-L3 = BokehLineSum(MapSamp, uv, 3, polygon, false, rays, CoC, settings);
+L3 = BokehLineSum(MapSamp, uv, 3, polygon, false, rays, centerPixel, settings);
 }
 if (last > 4)
 {
-L4 = BokehLineSum(MapSamp, uv, 4, polygon, false, rays, CoC, settings);
+L4 = BokehLineSum(MapSamp, uv, 4, polygon, false, rays, centerPixel, settings);
 }
 BokehTargets targets;
 targets.strip2 = BokehExactTarget(2, polygon, rays, L1, L2, L3, L4, centerPixel);
@@ -588,7 +590,7 @@ vec4 BokehSquareSecond(BOKEH_TEXTURE Strip2Samp, vec2 uv, BokehPolygon polygon,
 BokehSamplingSettings settings)
 {
 vec4 pixel = BokehFetch(Strip2Samp, uv);
-BokehLine L2 = BokehLineSum(Strip2Samp, uv, 2, polygon, true, false, pixel.a, settings);
+BokehLine L2 = BokehLineSum(Strip2Samp, uv, 2, polygon, true, false, pixel, settings);
 return BokehResolved(L2.sum, pixel);
 }
 BokehTargets BokehHexagonFirst(BOKEH_TEXTURE MapSamp, vec2 uv, BokehPolygon polygon,
@@ -600,8 +602,8 @@ vec4 BokehHexagonSecond(BOKEH_TEXTURE Strip2Samp, BOKEH_TEXTURE Strip3Samp, vec2
 BokehPolygon polygon, BokehSamplingSettings settings)
 {
 vec4 pixel = BokehFetch(Strip2Samp, uv);
-BokehLine L2 = BokehLineSum(Strip2Samp, uv, 2, polygon, true, true, pixel.a, settings);
-BokehLine L3 = BokehLineSum(Strip3Samp, uv, 3, polygon, true, true, pixel.a, settings);
+BokehLine L2 = BokehLineSum(Strip2Samp, uv, 2, polygon, true, true, pixel, settings);
+BokehLine L3 = BokehLineSum(Strip3Samp, uv, 3, polygon, true, true, pixel, settings);
 return BokehResolved(L2.sum + L3.sum, pixel);
 }
 BokehTargets BokehOctagonFirst(BOKEH_TEXTURE MapSamp, vec2 uv, BokehPolygon polygon,
@@ -613,9 +615,9 @@ vec4 BokehOctagonSecond(BOKEH_TEXTURE Strip2Samp, BOKEH_TEXTURE Strip3Samp,
 BOKEH_TEXTURE Strip4Samp, vec2 uv, BokehPolygon polygon, BokehSamplingSettings settings)
 {
 vec4 pixel = BokehFetch(Strip2Samp, uv);
-BokehLine L2 = BokehLineSum(Strip2Samp, uv, 2, polygon, true, false, pixel.a, settings);
-BokehLine L3 = BokehLineSum(Strip3Samp, uv, 3, polygon, true, false, pixel.a, settings);
-BokehLine L4 = BokehLineSum(Strip4Samp, uv, 4, polygon, true, false, pixel.a, settings);
+BokehLine L2 = BokehLineSum(Strip2Samp, uv, 2, polygon, true, false, pixel, settings);
+BokehLine L3 = BokehLineSum(Strip3Samp, uv, 3, polygon, true, false, pixel, settings);
+BokehLine L4 = BokehLineSum(Strip4Samp, uv, 4, polygon, true, false, pixel, settings);
 return BokehResolved(L2.sum + L3.sum + L4.sum, pixel);
 }
 BokehTargets BokehDecagonFirst(BOKEH_TEXTURE MapSamp, vec2 uv, BokehPolygon polygon,
@@ -628,10 +630,10 @@ BOKEH_TEXTURE Strip4Samp, BOKEH_TEXTURE Strip5Samp, vec2 uv, BokehPolygon polygo
 BokehSamplingSettings settings)
 {
 vec4 pixel = BokehFetch(Strip2Samp, uv);
-BokehLine L2 = BokehLineSum(Strip2Samp, uv, 2, polygon, true, false, pixel.a, settings);
-BokehLine L3 = BokehLineSum(Strip3Samp, uv, 3, polygon, true, false, pixel.a, settings);
-BokehLine L4 = BokehLineSum(Strip4Samp, uv, 4, polygon, true, false, pixel.a, settings);
-BokehLine L5 = BokehLineSum(Strip5Samp, uv, 5, polygon, true, false, pixel.a, settings);
+BokehLine L2 = BokehLineSum(Strip2Samp, uv, 2, polygon, true, false, pixel, settings);
+BokehLine L3 = BokehLineSum(Strip3Samp, uv, 3, polygon, true, false, pixel, settings);
+BokehLine L4 = BokehLineSum(Strip4Samp, uv, 4, polygon, true, false, pixel, settings);
+BokehLine L5 = BokehLineSum(Strip5Samp, uv, 5, polygon, true, false, pixel, settings);
 return BokehResolved(L2.sum + L3.sum + L4.sum + L5.sum, pixel);
 }
 #ifndef BOKEH_VIEWPORT

@@ -531,13 +531,17 @@ float4 BokehSignedCoCMap(BOKEH_TEXTURE ColorSamp, BOKEH_DEPTH_TEXTURE DepthSamp,
 {
     float depth = BokehLinearDepth(BokehFetchDepth(DepthSamp, depthUV), kind, planes.x, planes.y);
     float CoC = BokehSignedCoC(depth, lens);
-    float4 neighbor = BokehBrightNeighbor(ColorSamp, uv, imageSize);
-    if (max(neighbor.z, neighbor.w) > 0.0)
+    // BokehLightCoC leaves a CoC of up to a pixel as it is
+    if (abs(CoC) * imageSize.y > 1.0)
     {
-        float2 offset = BokehToTexture(uv + neighbor.xy) - BokehToTexture(uv);
-        depth = BokehLinearDepth(BokehFetchDepth(DepthSamp, depthUV + offset), kind, planes.x,
-            planes.y);
-        CoC = BokehLightCoC(CoC, BokehSignedCoC(depth, lens), neighbor.zw, imageSize.y);
+        float4 neighbor = BokehBrightNeighbor(ColorSamp, uv, imageSize);
+        if (max(neighbor.z, neighbor.w) > 0.0)
+        {
+            float2 offset = BokehToTexture(uv + neighbor.xy) - BokehToTexture(uv);
+            depth = BokehLinearDepth(BokehFetchDepth(DepthSamp, depthUV + offset), kind, planes.x,
+                planes.y);
+            CoC = BokehLightCoC(CoC, BokehSignedCoC(depth, lens), neighbor.zw, imageSize.y);
+        }
     }
     return BokehPackCoC(BokehFetchTexel(ColorSamp, BokehToTexture(uv)), CoC);
 }
@@ -844,14 +848,12 @@ float BokehNearRayWeight(float ratio)
 //   of 1/4, where the few samples left would show as dots.
 //   ratio         the sample's CoC / this pixel's; negative on the other side of the focus
 //   samples       number of samples on the ray, from BokehSampleCount
-//   returns       x = weight; y = weight without the density; z = the part of x that belongs to the
-//                 surface of this pixel: all of it at the same CoC, none below 3/4
-float3 BokehFarRayWeight(float ratio, float samples, int i)
+//   returns       x = weight; y = weight without the density
+float2 BokehFarRayWeight(float ratio, float samples, int i)
 {
     float part = min(abs(ratio), 1.0);
     float reached = clamp(part * samples - float(i), 0.0, 1.0);
-    float weight = reached / max(part, 0.25);
-    return float3(weight, reached, weight * clamp(4.0 * ratio - 3.0, 0.0, 1.0));
+    return float2(reached / max(part, 0.25), reached);
 }
 
 // Exact: holds the sum of the samples along one line
@@ -868,15 +870,16 @@ struct BokehLine
 //   The sum is not divided by its weights here. A line that lies on a sharp object, and is
 //   therefore almost completely rejected, would come back at full strength (docs/methods/exact.md).
 //   On a ray the density can make the weights add up to more than one per sample. Dividing by them
-//   would darken the light. Instead the surface of this pixel gives up the excess, because the
-//   light covers it.
+//   would darken the light. Instead the surface of this pixel, which the light covers, gives up the
+//   excess: its colour is taken for that of this pixel, or for the mean if that is darker.
 //   rays          true: the lines are those of BokehRay, false: those of BokehEdgeLine
-//   centerCoC     signed, fraction of the image height
+//   centerPixel   colour and signed CoC of this pixel, in the map or in strip 2
 BokehLine BokehLineSum(BOKEH_TEXTURE tex, float2 uv, int k, BokehPolygon polygon, bool secondPass,
-    bool rays, float centerCoC, BokehSamplingSettings settings BOKEH_SAMPLER)
+    bool rays, float4 centerPixel, BokehSamplingSettings settings BOKEH_SAMPLER)
 {
     float4 sum = float4(0.0, 0.0, 0.0, 0.0);
     float reached = 0.0;
+    float centerCoC = centerPixel.a;
     float CoC = BokehFilterCoC(abs(centerCoC), settings.imageHeight);
     if (CoC > 0.0)
     {
@@ -892,7 +895,6 @@ BokehLine BokehLineSum(BOKEH_TEXTURE tex, float2 uv, int k, BokehPolygon polygon
         float2 first = uv + (segment.xy - segment.zw) * scale;
         float2 sampleStep = segment.zw * scale * (2.0 / samples);
         float inverseCoC = 1.0 / centerCoC;
-        float4 surface = float4(0.0, 0.0, 0.0, 0.0);
         BOKEH_LOOP for (int i = 0; i < BOKEH_NUM_SAMPLES; i++)
         {
             if (BOKEH_SPACING > 0.0 && float(i) >= samples)
@@ -911,10 +913,9 @@ BokehLine BokehLineSum(BOKEH_TEXTURE tex, float2 uv, int k, BokehPolygon polygon
                 }
                 else
                 {
-                    float3 weights = BokehFarRayWeight(ratio, samples, i);
+                    float2 weights = BokehFarRayWeight(ratio, samples, i);
                     sum += float4(samplePixel.rgb, 1.0) * weights.x;
                     reached += (samplePixel.r + samplePixel.g + samplePixel.b) * weights.y;
-                    surface += float4(samplePixel.rgb, 1.0) * weights.z;
                 }
             }
             else
@@ -925,9 +926,11 @@ BokehLine BokehLineSum(BOKEH_TEXTURE tex, float2 uv, int k, BokehPolygon polygon
         }
         if (rays)
         {
-            float covered = clamp((sum.a - samples) / max(surface.a, 0.0001), 0.0, 1.0);
-            sum -= surface * covered;
-            reached -= (surface.r + surface.g + surface.b) * covered;
+            float excess = max(sum.a - samples, 0.0);
+            float4 mean = sum / max(sum.a, samples);
+            float4 removed = min(float4(centerPixel.rgb, 1.0), mean) * excess;
+            sum -= removed;
+            reached = max(reached - removed.r - removed.g - removed.b, 0.0);
         }
         sum = sum / samples;
         reached = reached / samples;
@@ -972,14 +975,14 @@ BokehTargets BokehExactFirst(BOKEH_TEXTURE MapSamp, float2 uv, int last, BokehPo
     BokehSamplingSettings settings BOKEH_SAMPLER)
 {
     float4 centerPixel = BokehFetch(MapSamp, uv BOKEH_LINEAR);
-    float CoC = centerPixel.a;
     // a hexagon has no edge 4, so a program for that edge needs no code for rays
     bool rays = false;
     if (last < 4)
     {
         rays = polygon.sides == 6;
     }
-    BokehLine L1 = BokehLineSum(MapSamp, uv, 1, polygon, false, rays, CoC, settings BOKEH_LINEAR);
+    BokehLine L1 = BokehLineSum(MapSamp, uv, 1, polygon, false, rays, centerPixel,
+        settings BOKEH_LINEAR);
     BokehLine L2;
     L2.sum = float4(0.0, 0.0, 0.0, 0.0);
     L2.reached = 0.0;
@@ -987,15 +990,15 @@ BokehTargets BokehExactFirst(BOKEH_TEXTURE MapSamp, float2 uv, int last, BokehPo
     BokehLine L4 = L2;
     if (last > 2)
     {
-        L2 = BokehLineSum(MapSamp, uv, 2, polygon, false, rays, CoC, settings BOKEH_LINEAR);
+        L2 = BokehLineSum(MapSamp, uv, 2, polygon, false, rays, centerPixel, settings BOKEH_LINEAR);
     }
     if (last > 3)
     {
-        L3 = BokehLineSum(MapSamp, uv, 3, polygon, false, rays, CoC, settings BOKEH_LINEAR);
+        L3 = BokehLineSum(MapSamp, uv, 3, polygon, false, rays, centerPixel, settings BOKEH_LINEAR);
     }
     if (last > 4)
     {
-        L4 = BokehLineSum(MapSamp, uv, 4, polygon, false, rays, CoC, settings BOKEH_LINEAR);
+        L4 = BokehLineSum(MapSamp, uv, 4, polygon, false, rays, centerPixel, settings BOKEH_LINEAR);
     }
     BokehTargets targets;
     targets.strip2 = BokehExactTarget(2, polygon, rays, L1, L2, L3, L4, centerPixel);
@@ -1022,7 +1025,7 @@ float4 BokehSquareSecond(BOKEH_TEXTURE Strip2Samp, float2 uv, BokehPolygon polyg
     BokehSamplingSettings settings BOKEH_SAMPLER)
 {
     float4 pixel = BokehFetch(Strip2Samp, uv BOKEH_LINEAR);
-    BokehLine L2 = BokehLineSum(Strip2Samp, uv, 2, polygon, true, false, pixel.a, settings
+    BokehLine L2 = BokehLineSum(Strip2Samp, uv, 2, polygon, true, false, pixel, settings
         BOKEH_LINEAR);
     return BokehResolved(L2.sum, pixel);
 }
@@ -1039,9 +1042,9 @@ float4 BokehHexagonSecond(BOKEH_TEXTURE Strip2Samp, BOKEH_TEXTURE Strip3Samp, fl
     BokehPolygon polygon, BokehSamplingSettings settings BOKEH_SAMPLER)
 {
     float4 pixel = BokehFetch(Strip2Samp, uv BOKEH_LINEAR);
-    BokehLine L2 = BokehLineSum(Strip2Samp, uv, 2, polygon, true, true, pixel.a, settings
+    BokehLine L2 = BokehLineSum(Strip2Samp, uv, 2, polygon, true, true, pixel, settings
         BOKEH_LINEAR);
-    BokehLine L3 = BokehLineSum(Strip3Samp, uv, 3, polygon, true, true, pixel.a, settings
+    BokehLine L3 = BokehLineSum(Strip3Samp, uv, 3, polygon, true, true, pixel, settings
         BOKEH_LINEAR);
     return BokehResolved(L2.sum + L3.sum, pixel);
 }
@@ -1059,11 +1062,11 @@ float4 BokehOctagonSecond(BOKEH_TEXTURE Strip2Samp, BOKEH_TEXTURE Strip3Samp,
     BokehSamplingSettings settings BOKEH_SAMPLER)
 {
     float4 pixel = BokehFetch(Strip2Samp, uv BOKEH_LINEAR);
-    BokehLine L2 = BokehLineSum(Strip2Samp, uv, 2, polygon, true, false, pixel.a, settings
+    BokehLine L2 = BokehLineSum(Strip2Samp, uv, 2, polygon, true, false, pixel, settings
         BOKEH_LINEAR);
-    BokehLine L3 = BokehLineSum(Strip3Samp, uv, 3, polygon, true, false, pixel.a, settings
+    BokehLine L3 = BokehLineSum(Strip3Samp, uv, 3, polygon, true, false, pixel, settings
         BOKEH_LINEAR);
-    BokehLine L4 = BokehLineSum(Strip4Samp, uv, 4, polygon, true, false, pixel.a, settings
+    BokehLine L4 = BokehLineSum(Strip4Samp, uv, 4, polygon, true, false, pixel, settings
         BOKEH_LINEAR);
     return BokehResolved(L2.sum + L3.sum + L4.sum, pixel);
 }
@@ -1081,13 +1084,13 @@ float4 BokehDecagonSecond(BOKEH_TEXTURE Strip2Samp, BOKEH_TEXTURE Strip3Samp,
     BokehSamplingSettings settings BOKEH_SAMPLER)
 {
     float4 pixel = BokehFetch(Strip2Samp, uv BOKEH_LINEAR);
-    BokehLine L2 = BokehLineSum(Strip2Samp, uv, 2, polygon, true, false, pixel.a, settings
+    BokehLine L2 = BokehLineSum(Strip2Samp, uv, 2, polygon, true, false, pixel, settings
         BOKEH_LINEAR);
-    BokehLine L3 = BokehLineSum(Strip3Samp, uv, 3, polygon, true, false, pixel.a, settings
+    BokehLine L3 = BokehLineSum(Strip3Samp, uv, 3, polygon, true, false, pixel, settings
         BOKEH_LINEAR);
-    BokehLine L4 = BokehLineSum(Strip4Samp, uv, 4, polygon, true, false, pixel.a, settings
+    BokehLine L4 = BokehLineSum(Strip4Samp, uv, 4, polygon, true, false, pixel, settings
         BOKEH_LINEAR);
-    BokehLine L5 = BokehLineSum(Strip5Samp, uv, 5, polygon, true, false, pixel.a, settings
+    BokehLine L5 = BokehLineSum(Strip5Samp, uv, 5, polygon, true, false, pixel, settings
         BOKEH_LINEAR);
     return BokehResolved(L2.sum + L3.sum + L4.sum + L5.sum, pixel);
 }
