@@ -41,6 +41,8 @@ CANOPY = SceneFile("canopy_12", methods.Camera(0.0714, 0.05, 7.0, 0.024, 0.15))
 WIDE_STREET = SceneFile("street_11x3", methods.Camera(0.15, 0.05, 5.0, 0.024, 0.15), "street_11")
 WIDE_CANOPY = SceneFile("canopy_12x3", methods.Camera(0.2142, 0.05, 7.0, 0.024, 0.15), "canopy_12")
 SCENES = (MARKET, STREET, CANOPY, WIDE_STREET, WIDE_CANOPY)
+# Only the live page shows it: no bound is checked on it, and `layered` was not tuned on it
+WINTER = SceneFile("winter_3", methods.Camera(0.044, 0.05, 1.07, 0.024, 0.15))
 # The small scenes, which every driver draws with every method
 DRIVER_SCENES = (STREET, CANOPY)
 
