@@ -36,6 +36,7 @@ OTHERS = ("BokehPass", "DepthOfFieldEffect")
 # The page's name of a scene -> the scene
 SCENES = {
     "Night market": ray_traced.MARKET,
+    "Winter evening": ray_traced.WINTER,
     "Street lights": ray_traced.STREET,
     "Canopy": ray_traced.CANOPY,
 }
