@@ -146,6 +146,27 @@
 #define BOKEH_MIN_DEPTH 0.000001
 #define BOKEH_MAX_DEPTH 1000000000.0
 
+// Tuned constants: each comment says what goes wrong with another value.
+// docs/methods/exact.md explains them.
+
+// A pixel takes the CoC of a light beside it while the light is START to FULL times as bright. With
+// lower limits, texture changes the CoC; with higher ones, a keyhole shows in the light's polygon.
+#define BOKEH_TUNED_LIGHT_START 4.0
+#define BOKEH_TUNED_LIGHT_FULL 8.0
+
+// A pixel is the rim of a light while it is START to FULL times as bright as its darkest neighbour.
+// With lower limits, texture is taken for rims; with higher ones, rims stay behind as dots.
+#define BOKEH_TUNED_RIM_START 1.3
+#define BOKEH_TUNED_RIM_FULL 1.5
+
+// `exact` gives a sharp sample this weight on a ray in front of the focus. With a lower one, a near
+// light is denser on its own pixels than beside them; with a higher one, sharp objects leak.
+#define BOKEH_TUNED_SHARP_WEIGHT 0.5
+
+// `exact` makes a light denser down to this ratio of its CoC to the pixel's. With a lower one, the
+// few samples that are left show as dots; with a higher one, small lights lose energy.
+#define BOKEH_TUNED_DENSE_RATIO 0.25
+
 #if BOKEH_NUM_SAMPLES < 2
 #error BOKEH_NUM_SAMPLES must be 2 or more: a line has two ends
 #endif
@@ -465,8 +486,10 @@ float4 BokehLightBeside(float4 color, float4 right, float4 left, float4 below, f
     brightest = BokehBrighter(brightest, below, float2(0.0, 1.0));
     brightest = BokehBrighter(brightest, above, float2(0.0, -1.0));
     float ratio = brightest.z / brightness;
-    float dark = clamp(0.25 * ratio - 1.0, 0.0, 1.0);
-    float rim = clamp(5.0 * brightness / max(darkest, 0.0000001) - 6.5, 0.0, 1.0) *
+    float dark = clamp((ratio - BOKEH_TUNED_LIGHT_START) / (BOKEH_TUNED_LIGHT_FULL -
+        BOKEH_TUNED_LIGHT_START), 0.0, 1.0);
+    float rim = clamp((brightness / max(darkest, 0.0000001) - BOKEH_TUNED_RIM_START) /
+        (BOKEH_TUNED_RIM_FULL - BOKEH_TUNED_RIM_START), 0.0, 1.0) *
         clamp(10.0 * ratio - 10.0, 0.0, 1.0);
     return float4(brightest.xy, dark, rim);
 }
@@ -837,7 +860,8 @@ float4 BokehRay(int k, BokehPolygon polygon, bool secondPass)
 //   ratio         the sample's CoC / this pixel's; negative on the other side of the focus
 float BokehNearRayWeight(float ratio)
 {
-    return clamp(max(0.5 + 4.0 * ratio, -ratio), 0.5, 1.0);
+    return clamp(max(BOKEH_TUNED_SHARP_WEIGHT + 4.0 * ratio, -ratio), BOKEH_TUNED_SHARP_WEIGHT,
+        1.0);
 }
 
 // Exact: returns the weight of sample i on a ray behind the focus: does its blur reach this pixel?
@@ -852,7 +876,7 @@ float2 BokehFarRayWeight(float ratio, float samples, int i)
 {
     float part = min(abs(ratio), 1.0);
     float reached = clamp(part * samples - float(i), 0.0, 1.0);
-    return float2(reached / max(part, 0.25), reached);
+    return float2(reached / max(part, BOKEH_TUNED_DENSE_RATIO), reached);
 }
 
 // Exact: holds the sum of the samples along one line

@@ -107,6 +107,27 @@ const BOKEH_MAX_COLOR: f32 = 65504.0;
 const BOKEH_MIN_DEPTH: f32 = 0.000001;
 const BOKEH_MAX_DEPTH: f32 = 1000000000.0;
 
+// Tuned constants: each comment says what goes wrong with another value.
+// docs/methods/exact.md explains them.
+
+// A pixel takes the CoC of a light beside it while the light is START to FULL times as bright. With
+// lower limits, texture changes the CoC; with higher ones, a keyhole shows in the light's polygon.
+const BOKEH_TUNED_LIGHT_START: f32 = 4.0;
+const BOKEH_TUNED_LIGHT_FULL: f32 = 8.0;
+
+// A pixel is the rim of a light while it is START to FULL times as bright as its darkest neighbour.
+// With lower limits, texture is taken for rims; with higher ones, rims stay behind as dots.
+const BOKEH_TUNED_RIM_START: f32 = 1.3;
+const BOKEH_TUNED_RIM_FULL: f32 = 1.5;
+
+// `exact` gives a sharp sample this weight on a ray in front of the focus. With a lower one, a near
+// light is denser on its own pixels than beside them; with a higher one, sharp objects leak.
+const BOKEH_TUNED_SHARP_WEIGHT: f32 = 0.5;
+
+// `exact` makes a light denser down to this ratio of its CoC to the pixel's. With a lower one, the
+// few samples that are left show as dots; with a higher one, small lights lose energy.
+const BOKEH_TUNED_DENSE_RATIO: f32 = 0.25;
+
 // -------------------------------------------------------------------------------------------------
 // [2] porting: the one place where the three languages differ
 //
@@ -359,8 +380,10 @@ fn BokehLightBeside(color: vec4f, right: vec4f, left: vec4f, below: vec4f, above
     brightest = BokehBrighter(brightest, below, vec2f(0.0, 1.0));
     brightest = BokehBrighter(brightest, above, vec2f(0.0, -1.0));
     let ratio: f32 = brightest.z / brightness;
-    let dark: f32 = clamp(0.25 * ratio - 1.0, 0.0, 1.0);
-    let rim: f32 = clamp(5.0 * brightness / max(darkest, 0.0000001) - 6.5, 0.0, 1.0) *
+    let dark: f32 = clamp((ratio - BOKEH_TUNED_LIGHT_START) / (BOKEH_TUNED_LIGHT_FULL -
+        BOKEH_TUNED_LIGHT_START), 0.0, 1.0);
+    let rim: f32 = clamp((brightness / max(darkest, 0.0000001) - BOKEH_TUNED_RIM_START) /
+        (BOKEH_TUNED_RIM_FULL - BOKEH_TUNED_RIM_START), 0.0, 1.0) *
         clamp(10.0 * ratio - 10.0, 0.0, 1.0);
     return vec4f(brightest.xy, dark, rim);
 }
@@ -732,7 +755,8 @@ fn BokehRay(k: i32, polygon: BokehPolygon, secondPass: bool) -> vec4f
 //   ratio         the sample's CoC / this pixel's; negative on the other side of the focus
 fn BokehNearRayWeight(ratio: f32) -> f32
 {
-    return clamp(max(0.5 + 4.0 * ratio, -ratio), 0.5, 1.0);
+    return clamp(max(BOKEH_TUNED_SHARP_WEIGHT + 4.0 * ratio, -ratio), BOKEH_TUNED_SHARP_WEIGHT,
+        1.0);
 }
 
 // Exact: returns the weight of sample i on a ray behind the focus: does its blur reach this pixel?
@@ -747,7 +771,7 @@ fn BokehFarRayWeight(ratio: f32, samples: f32, i: i32) -> vec2f
 {
     let part: f32 = min(abs(ratio), 1.0);
     let reached: f32 = clamp(part * samples - f32(i), 0.0, 1.0);
-    return vec2f(reached / max(part, 0.25), reached);
+    return vec2f(reached / max(part, BOKEH_TUNED_DENSE_RATIO), reached);
 }
 
 // Exact: holds the sum of the samples along one line

@@ -64,6 +64,69 @@ override BOKEH_LAYER_SAMPLES: i32 = 11;
 override BOKEH_LAYER_CUBIC: i32 = 1;
 const BOKEH_MIN_BRIGHTNESS: f32 = 0.00001;
 
+// Tuned constants: each comment says what goes wrong with another value.
+// docs/methods/layered.md has the measurements.
+
+// The near layer appears while the largest near CoC in reach grows from START to FULL, pixels. With
+// lower or higher limits, the edges of small blurs get worse.
+const BOKEH_TUNED_NEAR_START: f32 = 6.0;
+const BOKEH_TUNED_NEAR_FULL: f32 = 12.0;
+
+// The far layer likewise. With lower limits, the half resolution shows; with higher ones, the
+// gather has to reach farther.
+const BOKEH_TUNED_FAR_START: f32 = 10.0;
+const BOKEH_TUNED_FAR_FULL: f32 = 16.0;
+
+// Largest near CoC, pixels, to which the ramp of BokehLayerWeight is relative. With a higher limit,
+// the gather gets pixels of a large CoC, and its few samples show as dashes; with a lower one, the
+// edges of large blurs get worse.
+const BOKEH_TUNED_NEAR_LIMIT: f32 = 60.0;
+
+// Standard deviation of the Gaussian that averages the CoC of a layer, tiles for each pixel of CoC:
+// 0.3 CoC. If it is wider, a light takes its CoC from too far away; if it is narrower, the CoC
+// changes within one light.
+const BOKEH_TUNED_COC_SIGMA: f32 = 0.0375;
+
+// The averages of 2 x 2 and the linear filter already blur a layer, so this is subtracted from its
+// squared CoC, in texels of the half size. If it is lower, the near layer is too soft; if it is
+// higher, too sharp.
+const BOKEH_TUNED_NEAR_SELF_BLUR: f32 = 9.0;
+
+// For the far layer, it is a fraction of the squared CoC, from MIN to MAX. A higher MIN makes small
+// lights too small, and a lower MAX makes the edges of wide lights soft.
+const BOKEH_TUNED_FAR_SELF_BLUR: f32 = 0.06;
+const BOKEH_TUNED_FAR_SELF_BLUR_MIN: f32 = 7.5;
+const BOKEH_TUNED_FAR_SELF_BLUR_MAX: f32 = 22.0;
+
+// A layer is read at quarter size where its samples are farther apart than this, texels of the half
+// size. With a lower value, edges get soft; with a higher one, dots show.
+const BOKEH_TUNED_NEAR_QUARTER: f32 = 1.5;
+const BOKEH_TUNED_FAR_QUARTER: f32 = 1.15;
+
+// The outer texels of the filter that makes the quarter size have the weight spacing / 4 - SIDE.
+// With a lower value, edges get soft; with a higher one, dots show.
+const BOKEH_TUNED_HEXAGON_SIDE: f32 = 0.4;
+const BOKEH_TUNED_SQUARE_SIDE: f32 = 0.2;
+
+// The gather has one more ring where its rings would be wider than this, pixels. With a higher
+// value, a thin bright line shows as a row of copies; a lower one costs fetches.
+const BOKEH_TUNED_RING_WIDTH: f32 = 3.0;
+
+// Samples of the gather lie at POSITION - rings * STEP of the width of their ring: half-way with
+// two rings. With more rings they lie farther in, or the rotated first ring would get too much
+// weight.
+const BOKEH_TUNED_RING_POSITION: f32 = 0.58;
+const BOKEH_TUNED_RING_STEP: f32 = 0.04;
+
+// Pixels and the linear filter blur already, so a CoC spreads as if its squared radius were larger
+// by this, squared pixels. 0.6 suits input of one sample per pixel, 1.2 antialiased input.
+const BOKEH_TUNED_PIXEL_BLUR: f32 = 0.6;
+
+// Half floats leave a pixel that the near layer covers at an alpha of 0.999, so alpha is multiplied
+// by this. With a lower factor, a light behind the near layer shines through; with a higher one,
+// edges get hard.
+const BOKEH_TUNED_NEAR_ALPHA: f32 = 1.002;
+
 // Layers: says where the image lies in textures of one size; everything in texels of that size
 //   size          width and height of the image
 //   origin        its first texel: 0, or that of the viewport
@@ -179,21 +242,17 @@ fn BokehLayerSlope(largest: f32, startCoC: f32, fullCoC: f32) -> f32
     return 5.0 / max(largest / gate, 2.0);
 }
 
-// Layers: returns the slope of the near layer, which appears from 6 to 12 pixels
-//   With lower or higher limits, the edges of small blurs get worse.
-//   Above 60 pixels the slope stays constant, so that no pixel with a CoC above 36 is left to the
-//   gather, whose few samples would show.
+// Layers: returns the slope of the near layer
 fn BokehNearSlope(largest: f32) -> f32
 {
-    return BokehLayerSlope(min(largest, 60.0), 6.0, 12.0);
+    return BokehLayerSlope(min(largest, BOKEH_TUNED_NEAR_LIMIT), BOKEH_TUNED_NEAR_START,
+        BOKEH_TUNED_NEAR_FULL);
 }
 
-// Layers: returns the slope of the far layer, which appears from 10 to 16 pixels
-//   With lower limits, the half resolution shows; with higher ones, the gather has to reach
-//   farther.
+// Layers: returns the slope of the far layer
 fn BokehFarSlope(largest: f32) -> f32
 {
-    return BokehLayerSlope(largest, 10.0, 16.0);
+    return BokehLayerSlope(largest, BOKEH_TUNED_FAR_START, BOKEH_TUNED_FAR_FULL);
 }
 
 // Layers: returns the weight of a pixel in a layer: a ramp from 0 to 1 between 0.4 and 0.6 of the
@@ -473,9 +532,7 @@ fn BokehLayerCoCAlong(GatherCoCSamp: texture_2d<f32>, SumsSamp: texture_2d<f32>,
     let grid: BokehGrid = BokehReducedGrid(layers, 8.0);
     let tile: vec2f = BokehFetchGrid(DilatedTilesSamp, layers.uv * grid.size, grid,
         BokehLinearClamp).rg;
-    // in tiles; wider, a light takes its CoC from too far away; narrower, the CoC changes within
-    // one light
-    let sigma: vec2f = max(tile * 0.0375, vec2f(0.6, 0.6));
+    let sigma: vec2f = max(tile * BOKEH_TUNED_COC_SIGMA, vec2f(0.6, 0.6));
     let radius: f32 = BokehReachTiles(layers);
     var sums: vec4f = vec4f(0.0, 0.0, 0.0, 0.0);
     var gatherCoC: vec2f = vec2f(0.0, 0.0);
@@ -538,11 +595,11 @@ fn BokehLayerCoCColumns(GatherCoCSamp: texture_2d<f32>, SumsSamp: texture_2d<f32
         vec2f(0.0, 1.0), layers, BokehLinearClamp);
     let sums: vec4f = tileSums.sums;
     var layerCoC: vec2f = vec2f(0.0, 0.0);
-    if (sums.g > 0.0001 && tile.r > 6.0)
+    if (sums.g > 0.0001 && tile.r > BOKEH_TUNED_NEAR_START)
     {
         layerCoC = vec2f(8.0 * sums.r / sums.g, 0.0);
     }
-    if (sums.a > 0.0001 && tile.g > 10.0)
+    if (sums.a > 0.0001 && tile.g > BOKEH_TUNED_FAR_START)
     {
         layerCoC = vec2f(layerCoC.x, 8.0 * sums.b / sums.a);
     }
@@ -582,30 +639,26 @@ struct BokehBlur
 }
 
 // Layers: chooses how a layer is blurred from its CoC
-//   selfBlur is the blur that 2 x 2 averages and the linear filter cause, subtracted from the
-//   squared CoC: lower, layers are too soft; higher, near ones are too sharp. A far layer uses less
-//   of it for small lights, to keep their size, and more for wide ones, to get hard edges.
-//   minSpacing is the spacing from which the quarter size is read: lower, near edges get soft;
-//   higher, dots show.
 //   layerCoC      from BokehLayerCoC
 fn BokehLayerBlur(layerCoC: vec2f, isFar: bool, polygon: BokehPolygon) -> BokehBlur
 {
     var CoC: f32 = 0.5 * layerCoC.r;
-    var minSpacing: f32 = 1.5;
-    var selfBlur: f32 = 9.0;
+    var minSpacing: f32 = BOKEH_TUNED_NEAR_QUARTER;
+    var selfBlur: f32 = BOKEH_TUNED_NEAR_SELF_BLUR;
     if (isFar)
     {
         CoC = 0.5 * layerCoC.g;
-        minSpacing = 1.15;
-        selfBlur = clamp(0.06 * CoC * CoC, 7.5, 22.0);
+        minSpacing = BOKEH_TUNED_FAR_QUARTER;
+        selfBlur = clamp(BOKEH_TUNED_FAR_SELF_BLUR * CoC * CoC, BOKEH_TUNED_FAR_SELF_BLUR_MIN,
+            BOKEH_TUNED_FAR_SELF_BLUR_MAX);
     }
     // a square has only one line in each pass
     var spacing: f32 = 0.5 * CoC / f32(BOKEH_LAYER_SAMPLES);
-    var hard: f32 = 0.4;
+    var hard: f32 = BOKEH_TUNED_HEXAGON_SIDE;
     if (polygon.sides < 6)
     {
         spacing = 0.354 * CoC / f32(BOKEH_LAYER_SAMPLES);
-        hard = 0.2;
+        hard = BOKEH_TUNED_SQUARE_SIDE;
     }
     var blur: BokehBlur;
     blur.useQuarterLayer = spacing > minSpacing;
@@ -771,7 +824,7 @@ fn BokehHoleFill(MidSamp: texture_2d<f32>, FarSamp: texture_2d<f32>,
     for (var ring: i32 = 0; ring < 3; ring++)
     {
         // no near layer, no holes
-        if (nearCoC < 6.0)
+        if (nearCoC < BOKEH_TUNED_NEAR_START)
         {
             break;
         }
@@ -1065,12 +1118,11 @@ fn BokehFetchLayer(LayerSamp: texture_2d<f32>, place: vec2f, halves: BokehGrid,
 }
 
 // Layers: returns 1 / radius^2 of the discs over which two CoC spread, pixels
-//   With r = CoC / 2 it is (r^2 + 0.6) / r^4: pixels and the linear filter blur already. 0.6 suits
-//   input of one sample per pixel, 1.2 antialiased input.
+//   With r = CoC / 2 it is (r^2 + BOKEH_TUNED_PIXEL_BLUR) / r^4.
 fn BokehSpreadInverse(CoC: vec2f) -> vec2f
 {
     let inverse: vec2f = 1.0 / max(CoC * CoC, vec2f(0.000001, 0.000001));
-    return inverse * (inverse * 9.6 + 4.0);
+    return inverse * (inverse * (16.0 * BOKEH_TUNED_PIXEL_BLUR) + 4.0);
 }
 
 // Layers: describes how the gather of a pixel is divided into rings
@@ -1132,9 +1184,7 @@ fn BokehGatherRing(before: BokehGather, MapSamp: texture_2d<f32>, ring: i32, onE
     let full: BokehGrid = BokehFullGrid(layers);
     let zero: vec2f = vec2f(0.0, 0.0);
     let one: vec2f = vec2f(1.0, 1.0);
-    // where in their ring samples lie: half-way with two rings; with more, farther in, or the
-    // rotated first ring would get too much weight
-    let outwards: f32 = 0.58 - 0.04 * f32(BOKEH_LAYER_RINGS);
+    let outwards: f32 = BOKEH_TUNED_RING_POSITION - BOKEH_TUNED_RING_STEP * f32(BOKEH_LAYER_RINGS);
     let current: f32 = gather.inner + (outer - gather.inner) * outwards;
     let innerSquare: f32 = gather.inner * gather.inner;
     let area: f32 = outer * outer - innerSquare;
@@ -1235,16 +1285,13 @@ fn BokehComposite(MapSamp: texture_2d<f32>, GatherTilesSamp: texture_2d<f32>,
     var nearLayer: vec4f = vec4f(0.0, 0.0, 0.0, 0.0);
     // only where BOKEH_SIDES is defined: shader model 3 has too few registers to keep the layer
     // during the gather
-    if (BOKEH_SIDES > 0 && tile.r > 6.0)
+    if (BOKEH_SIDES > 0 && tile.r > BOKEH_TUNED_NEAR_START)
     {
         nearLayer = BokehFetchLayer(NearSamp, 0.5 * center, halves, BokehLinearClamp);
     }
-    // half floats leave a covered pixel at 0.999: a lower factor lets a light behind it shine
-    // through, a higher one makes edges hard
-    let fullAlpha: f32 = 1.002;
     // copy the input if nothing within reach is blurred by more than a pixel; a near layer may hide
     // everything else
-    if (max(tile.r, tile.g) > 1.0 && nearLayer.a * fullAlpha < 1.0)
+    if (max(tile.r, tile.g) > 1.0 && nearLayer.a * BOKEH_TUNED_NEAR_ALPHA < 1.0)
     {
         var gather: BokehGather;
         let s: f32 = centerPixel.a * full.size.y;
@@ -1274,7 +1321,8 @@ fn BokehComposite(MapSamp: texture_2d<f32>, GatherTilesSamp: texture_2d<f32>,
             // A gather that reaches far has one more ring, of few samples: with wider gaps between
             // the rings, a thin bright line would show as a row of copies. In a layer the gather
             // shows less; there, only a preset with a single ring has one more.
-            rings = max(rings, min(radius / 3.0, f32(BOKEH_LAYER_RINGS) + 1.0));
+            rings = max(rings, min(radius / BOKEH_TUNED_RING_WIDTH,
+                f32(BOKEH_LAYER_RINGS) + 1.0));
         }
         // rings closer than a pixel find nothing new; .499: the last ends at the radius
         ringLayout.spacing = max(min(radius / 1.499, 1.0), radius / (rings + 0.499));
@@ -1341,7 +1389,7 @@ fn BokehComposite(MapSamp: texture_2d<f32>, GatherTilesSamp: texture_2d<f32>,
         }
 
         var farLayer: vec4f = vec4f(0.0, 0.0, 0.0, 0.0);
-        if (max(tile.r, tile.g - 4.0) > 6.0)
+        if (tile.r > BOKEH_TUNED_NEAR_START || tile.g > BOKEH_TUNED_FAR_START)
         {
             if (BOKEH_SIDES == 0)
             {
@@ -1389,7 +1437,7 @@ fn BokehComposite(MapSamp: texture_2d<f32>, GatherTilesSamp: texture_2d<f32>,
             result += (stack - result) * nearWeight;
         }
     }
-    let alpha: f32 = clamp(nearLayer.a * fullAlpha, 0.0, 1.0);
+    let alpha: f32 = clamp(nearLayer.a * BOKEH_TUNED_NEAR_ALPHA, 0.0, 1.0);
     result = result * (1.0 - alpha) + nearLayer.rgb * (alpha / max(nearLayer.a, 0.000001));
     return vec4f(result, centerPixel.a);
 }

@@ -47,6 +47,12 @@ export const GLSL = {
 #endif
 #define BOKEH_MIN_DEPTH 0.000001
 #define BOKEH_MAX_DEPTH 1000000000.0
+#define BOKEH_TUNED_LIGHT_START 4.0
+#define BOKEH_TUNED_LIGHT_FULL 8.0
+#define BOKEH_TUNED_RIM_START 1.3
+#define BOKEH_TUNED_RIM_FULL 1.5
+#define BOKEH_TUNED_SHARP_WEIGHT 0.5
+#define BOKEH_TUNED_DENSE_RATIO 0.25
 #if BOKEH_NUM_SAMPLES < 2
 #error BOKEH_NUM_SAMPLES must be 2 or more: a line has two ends
 #endif
@@ -233,8 +239,10 @@ brightest=BokehBrighter(brightest,left,vec2(-1.0,0.0));
 brightest=BokehBrighter(brightest,below,vec2(0.0,1.0));
 brightest=BokehBrighter(brightest,above,vec2(0.0,-1.0));
 float ratio=brightest.z/brightness;
-float dark=clamp(0.25*ratio-1.0,0.0,1.0);
-float rim=clamp(5.0*brightness/max(darkest,0.0000001)-6.5,0.0,1.0) *
+float dark=clamp((ratio-BOKEH_TUNED_LIGHT_START)/(BOKEH_TUNED_LIGHT_FULL -
+BOKEH_TUNED_LIGHT_START),0.0,1.0);
+float rim=clamp((brightness/max(darkest,0.0000001)-BOKEH_TUNED_RIM_START) /
+(BOKEH_TUNED_RIM_FULL-BOKEH_TUNED_RIM_START),0.0,1.0) *
 clamp(10.0*ratio-10.0,0.0,1.0);
 return vec4(brightest.xy,dark,rim);
 }
@@ -453,13 +461,14 @@ return segment*vec4(polygon.squeeze,1.0,polygon.squeeze,1.0);
 }
 float BokehNearRayWeight(float ratio)
 {
-return clamp(max(0.5+4.0*ratio,-ratio),0.5,1.0);
+return clamp(max(BOKEH_TUNED_SHARP_WEIGHT+4.0*ratio,-ratio),BOKEH_TUNED_SHARP_WEIGHT,
+1.0);
 }
 vec2 BokehFarRayWeight(float ratio,float samples,int i)
 {
 float part=min(abs(ratio),1.0);
 float reached=clamp(part*samples-float(i),0.0,1.0);
-return vec2(reached/max(part,0.25),reached);
+return vec2(reached/max(part,BOKEH_TUNED_DENSE_RATIO),reached);
 }
 struct BokehLine
 {
@@ -856,6 +865,25 @@ return BokehResolve(color,totalWeight,centerPixel,blurCoC);
 #ifndef BOKEH_MIN_BRIGHTNESS
 #define BOKEH_MIN_BRIGHTNESS 0.00001
 #endif
+#define BOKEH_TUNED_NEAR_START 6.0
+#define BOKEH_TUNED_NEAR_FULL 12.0
+#define BOKEH_TUNED_FAR_START 10.0
+#define BOKEH_TUNED_FAR_FULL 16.0
+#define BOKEH_TUNED_NEAR_LIMIT 60.0
+#define BOKEH_TUNED_COC_SIGMA 0.0375
+#define BOKEH_TUNED_NEAR_SELF_BLUR 9.0
+#define BOKEH_TUNED_FAR_SELF_BLUR 0.06
+#define BOKEH_TUNED_FAR_SELF_BLUR_MIN 7.5
+#define BOKEH_TUNED_FAR_SELF_BLUR_MAX 22.0
+#define BOKEH_TUNED_NEAR_QUARTER 1.5
+#define BOKEH_TUNED_FAR_QUARTER 1.15
+#define BOKEH_TUNED_HEXAGON_SIDE 0.4
+#define BOKEH_TUNED_SQUARE_SIDE 0.2
+#define BOKEH_TUNED_RING_WIDTH 3.0
+#define BOKEH_TUNED_RING_POSITION 0.58
+#define BOKEH_TUNED_RING_STEP 0.04
+#define BOKEH_TUNED_PIXEL_BLUR 0.6
+#define BOKEH_TUNED_NEAR_ALPHA 1.002
 struct BokehGrid
 {
 vec2 size;
@@ -936,11 +964,12 @@ return 5.0/max(largest/gate,2.0);
 }
 float BokehNearSlope(float largest)
 {
-return BokehLayerSlope(min(largest,60.0),6.0,12.0);
+return BokehLayerSlope(min(largest,BOKEH_TUNED_NEAR_LIMIT),BOKEH_TUNED_NEAR_START,
+BOKEH_TUNED_NEAR_FULL);
 }
 float BokehFarSlope(float largest)
 {
-return BokehLayerSlope(largest,10.0,16.0);
+return BokehLayerSlope(largest,BOKEH_TUNED_FAR_START,BOKEH_TUNED_FAR_FULL);
 }
 float BokehLayerWeight(float CoC,float slope)
 {
@@ -1130,7 +1159,7 @@ BOKEH_TEXTURE DilatedTilesSamp,vec2 axis,BokehLayerContext layers)
 {
 BokehGrid grid=BokehReducedGrid(layers,8.0);
 vec2 tile=BokehFetchGrid(DilatedTilesSamp,layers.uv*grid.size,grid).rg;
-vec2 sigma=max(tile*0.0375,vec2(0.6,0.6));
+vec2 sigma=max(tile*BOKEH_TUNED_COC_SIGMA,vec2(0.6,0.6));
 float radius=BokehReachTiles(layers);
 vec4 sums=vec4(0.0,0.0,0.0,0.0);
 vec2 gatherCoC=vec2(0.0,0.0);
@@ -1174,11 +1203,11 @@ BokehTileSums tileSums=BokehLayerCoCAlong(GatherCoCSamp,SumsSamp,DilatedTilesSam
 1.0),layers);
 vec4 sums=tileSums.sums;
 vec2 layerCoC=vec2(0.0,0.0);
-if(sums.g > 0.0001&&tile.r > 6.0)
+if(sums.g > 0.0001&&tile.r > BOKEH_TUNED_NEAR_START)
 {
 layerCoC=vec2(8.0*sums.r/sums.g,0.0);
 }
-if(sums.a > 0.0001&&tile.g > 10.0)
+if(sums.a > 0.0001&&tile.g > BOKEH_TUNED_FAR_START)
 {
 layerCoC=vec2(layerCoC.x,8.0*sums.b/sums.a);
 }
@@ -1202,20 +1231,21 @@ float sideTap;
 BokehBlur BokehLayerBlur(vec2 layerCoC,bool isFar,BokehPolygon polygon)
 {
 float CoC=0.5*layerCoC.r;
-float minSpacing=1.5;
-float selfBlur=9.0;
+float minSpacing=BOKEH_TUNED_NEAR_QUARTER;
+float selfBlur=BOKEH_TUNED_NEAR_SELF_BLUR;
 if(isFar)
 {
 CoC=0.5*layerCoC.g;
-minSpacing=1.15;
-selfBlur=clamp(0.06*CoC*CoC,7.5,22.0);
+minSpacing=BOKEH_TUNED_FAR_QUARTER;
+selfBlur=clamp(BOKEH_TUNED_FAR_SELF_BLUR*CoC*CoC,BOKEH_TUNED_FAR_SELF_BLUR_MIN,
+BOKEH_TUNED_FAR_SELF_BLUR_MAX);
 }
 float spacing=0.5*CoC/float(BOKEH_LAYER_SAMPLES);
-float hard=0.4;
+float hard=BOKEH_TUNED_HEXAGON_SIDE;
 if(polygon.sides < 6)
 {
 spacing=0.354*CoC/float(BOKEH_LAYER_SAMPLES);
-hard=0.2;
+hard=BOKEH_TUNED_SQUARE_SIDE;
 }
 BokehBlur blur;
 blur.useQuarterLayer=spacing > minSpacing;
@@ -1334,7 +1364,7 @@ vec4 far=BokehFetchGrid(FarSamp,center,grid);
 vec2 weights=BokehHoleWeights(mid,far,inverseBrightness);
 for(int ring=0;ring < 3;ring++)
 {
-if(nearCoC < 6.0)
+if(nearCoC < BOKEH_TUNED_NEAR_START)
 {
 break;
 }
@@ -1555,7 +1585,7 @@ return result;
 vec2 BokehSpreadInverse(vec2 CoC)
 {
 vec2 inverse=1.0/max(CoC*CoC,vec2(0.000001,0.000001));
-return inverse*(inverse*9.6+4.0);
+return inverse*(inverse*(16.0*BOKEH_TUNED_PIXEL_BLUR)+4.0);
 }
 struct BokehRingLayout
 {
@@ -1589,7 +1619,7 @@ BokehGather gather=before;
 BokehGrid full=BokehFullGrid(layers);
 vec2 zero=vec2(0.0,0.0);
 vec2 one=vec2(1.0,1.0);
-float outwards=0.58-0.04*float(BOKEH_LAYER_RINGS);
+float outwards=BOKEH_TUNED_RING_POSITION-BOKEH_TUNED_RING_STEP*float(BOKEH_LAYER_RINGS);
 float current=gather.inner+(outer-gather.inner)*outwards;
 float innerSquare=gather.inner*gather.inner;
 float area=outer*outer-innerSquare;
@@ -1662,12 +1692,11 @@ vec4 tile=BokehFetchGrid(GatherTilesSamp,center/8.0,BokehReducedGrid(layers,8.0)
 vec3 result=centerPixel.rgb;
 BokehGrid halves=BokehReducedGrid(layers,2.0);
 vec4 nearLayer=vec4(0.0,0.0,0.0,0.0);
-if(BOKEH_SIDES > 0&&tile.r > 6.0)
+if(BOKEH_SIDES > 0&&tile.r > BOKEH_TUNED_NEAR_START)
 {
 nearLayer=BokehFetchLayer(NearSamp,0.5*center,halves);
 }
-float fullAlpha=1.002;
-if(max(tile.r,tile.g) > 1.0&&nearLayer.a*fullAlpha < 1.0)
+if(max(tile.r,tile.g) > 1.0&&nearLayer.a*BOKEH_TUNED_NEAR_ALPHA < 1.0)
 {
 BokehGather gather;
 float s=centerPixel.a*full.size.y;
@@ -1691,7 +1720,8 @@ denseRings+=1.0;
 float rings=denseRings;
 if(max(nearWeight,farWeight*tile.r*float(BOKEH_LAYER_RINGS-1)) <= 0.0)
 {
-rings=max(rings,min(radius/3.0,float(BOKEH_LAYER_RINGS)+1.0));
+rings=max(rings,min(radius/BOKEH_TUNED_RING_WIDTH,
+float(BOKEH_LAYER_RINGS)+1.0));
 }
 ringLayout.spacing=max(min(radius/1.499,1.0),radius/(rings+0.499));
 gather.inner=BokehRingBorder(0,ringLayout);
@@ -1746,7 +1776,7 @@ polygon),outer,polygon,layers);
 }
 }
 vec4 farLayer=vec4(0.0,0.0,0.0,0.0);
-if(max(tile.r,tile.g-4.0) > 6.0)
+if(tile.r > BOKEH_TUNED_NEAR_START || tile.g > BOKEH_TUNED_FAR_START)
 {
 if(BOKEH_SIDES==0)
 {
@@ -1786,7 +1816,7 @@ max(sum.a+empty,0.000001);
 result+=(stack-result)*nearWeight;
 }
 }
-float alpha=clamp(nearLayer.a*fullAlpha,0.0,1.0);
+float alpha=clamp(nearLayer.a*BOKEH_TUNED_NEAR_ALPHA,0.0,1.0);
 result=result*(1.0-alpha)+nearLayer.rgb*(alpha/max(nearLayer.a,0.000001));
 return vec4(result,centerPixel.a);
 }
@@ -1937,6 +1967,12 @@ override BOKEH_SIDES: i32 = 0;
 const BOKEH_MAX_COLOR:f32=65504.0;
 const BOKEH_MIN_DEPTH:f32=0.000001;
 const BOKEH_MAX_DEPTH:f32=1000000000.0;
+const BOKEH_TUNED_LIGHT_START:f32=4.0;
+const BOKEH_TUNED_LIGHT_FULL:f32=8.0;
+const BOKEH_TUNED_RIM_START:f32=1.3;
+const BOKEH_TUNED_RIM_FULL:f32=1.5;
+const BOKEH_TUNED_SHARP_WEIGHT:f32=0.5;
+const BOKEH_TUNED_DENSE_RATIO:f32=0.25;
 alias BokehDepthTexture = texture_2d<f32>;
 fn BokehFetchTexture(tex:texture_2d<f32>,coords:vec2f,BokehLinearClamp:sampler)->vec4f
 {
@@ -2096,8 +2132,10 @@ brightest=BokehBrighter(brightest,left,vec2f(-1.0,0.0));
 brightest=BokehBrighter(brightest,below,vec2f(0.0,1.0));
 brightest=BokehBrighter(brightest,above,vec2f(0.0,-1.0));
 let ratio=brightest.z/brightness;
-let dark=clamp(0.25*ratio-1.0,0.0,1.0);
-let rim=clamp(5.0*brightness/max(darkest,0.0000001)-6.5,0.0,1.0) *
+let dark=clamp((ratio-BOKEH_TUNED_LIGHT_START)/(BOKEH_TUNED_LIGHT_FULL -
+BOKEH_TUNED_LIGHT_START),0.0,1.0);
+let rim=clamp((brightness/max(darkest,0.0000001)-BOKEH_TUNED_RIM_START) /
+(BOKEH_TUNED_RIM_FULL-BOKEH_TUNED_RIM_START),0.0,1.0) *
 clamp(10.0*ratio-10.0,0.0,1.0);
 return vec4f(brightest.xy,dark,rim);
 }
@@ -2319,13 +2357,14 @@ return segment*vec4f(polygon.squeeze,1.0,polygon.squeeze,1.0);
 }
 fn BokehNearRayWeight(ratio:f32)->f32
 {
-return clamp(max(0.5+4.0*ratio,-ratio),0.5,1.0);
+return clamp(max(BOKEH_TUNED_SHARP_WEIGHT+4.0*ratio,-ratio),BOKEH_TUNED_SHARP_WEIGHT,
+1.0);
 }
 fn BokehFarRayWeight(ratio:f32,samples:f32,i:i32)->vec2f
 {
 let part=min(abs(ratio),1.0);
 let reached=clamp(part*samples-f32(i),0.0,1.0);
-return vec2f(reached/max(part,0.25),reached);
+return vec2f(reached/max(part,BOKEH_TUNED_DENSE_RATIO),reached);
 }
 struct BokehLine
 {
@@ -2704,6 +2743,25 @@ override BOKEH_LAYER_RINGS: i32 = 2;
 override BOKEH_LAYER_SAMPLES: i32 = 11;
 override BOKEH_LAYER_CUBIC: i32 = 1;
 const BOKEH_MIN_BRIGHTNESS:f32=0.00001;
+const BOKEH_TUNED_NEAR_START:f32=6.0;
+const BOKEH_TUNED_NEAR_FULL:f32=12.0;
+const BOKEH_TUNED_FAR_START:f32=10.0;
+const BOKEH_TUNED_FAR_FULL:f32=16.0;
+const BOKEH_TUNED_NEAR_LIMIT:f32=60.0;
+const BOKEH_TUNED_COC_SIGMA:f32=0.0375;
+const BOKEH_TUNED_NEAR_SELF_BLUR:f32=9.0;
+const BOKEH_TUNED_FAR_SELF_BLUR:f32=0.06;
+const BOKEH_TUNED_FAR_SELF_BLUR_MIN:f32=7.5;
+const BOKEH_TUNED_FAR_SELF_BLUR_MAX:f32=22.0;
+const BOKEH_TUNED_NEAR_QUARTER:f32=1.5;
+const BOKEH_TUNED_FAR_QUARTER:f32=1.15;
+const BOKEH_TUNED_HEXAGON_SIDE:f32=0.4;
+const BOKEH_TUNED_SQUARE_SIDE:f32=0.2;
+const BOKEH_TUNED_RING_WIDTH:f32=3.0;
+const BOKEH_TUNED_RING_POSITION:f32=0.58;
+const BOKEH_TUNED_RING_STEP:f32=0.04;
+const BOKEH_TUNED_PIXEL_BLUR:f32=0.6;
+const BOKEH_TUNED_NEAR_ALPHA:f32=1.002;
 struct BokehGrid
 {
 size:vec2f,
@@ -2786,11 +2844,12 @@ return 5.0/max(largest/gate,2.0);
 }
 fn BokehNearSlope(largest:f32)->f32
 {
-return BokehLayerSlope(min(largest,60.0),6.0,12.0);
+return BokehLayerSlope(min(largest,BOKEH_TUNED_NEAR_LIMIT),BOKEH_TUNED_NEAR_START,
+BOKEH_TUNED_NEAR_FULL);
 }
 fn BokehFarSlope(largest:f32)->f32
 {
-return BokehLayerSlope(largest,10.0,16.0);
+return BokehLayerSlope(largest,BOKEH_TUNED_FAR_START,BOKEH_TUNED_FAR_FULL);
 }
 fn BokehLayerWeight(CoC:f32,slope:f32)->f32
 {
@@ -2992,7 +3051,7 @@ BokehLinearClamp:sampler)->BokehTileSums
 let grid=BokehReducedGrid(layers,8.0);
 let tile=BokehFetchGrid(DilatedTilesSamp,layers.uv*grid.size,grid,
 BokehLinearClamp).rg;
-let sigma=max(tile*0.0375,vec2f(0.6,0.6));
+let sigma=max(tile*BOKEH_TUNED_COC_SIGMA,vec2f(0.6,0.6));
 let radius=BokehReachTiles(layers);
 var sums=vec4f(0.0,0.0,0.0,0.0);
 var gatherCoC=vec2f(0.0,0.0);
@@ -3040,11 +3099,11 @@ let tileSums=BokehLayerCoCAlong(GatherCoCSamp,SumsSamp,DilatedTilesSamp,
 vec2f(0.0,1.0),layers,BokehLinearClamp);
 let sums=tileSums.sums;
 var layerCoC=vec2f(0.0,0.0);
-if(sums.g > 0.0001&&tile.r > 6.0)
+if(sums.g > 0.0001&&tile.r > BOKEH_TUNED_NEAR_START)
 {
 layerCoC=vec2f(8.0*sums.r/sums.g,0.0);
 }
-if(sums.a > 0.0001&&tile.g > 10.0)
+if(sums.a > 0.0001&&tile.g > BOKEH_TUNED_FAR_START)
 {
 layerCoC=vec2f(layerCoC.x,8.0*sums.b/sums.a);
 }
@@ -3069,20 +3128,21 @@ sideTap:f32,
 fn BokehLayerBlur(layerCoC:vec2f,isFar:bool,polygon:BokehPolygon)->BokehBlur
 {
 var CoC=0.5*layerCoC.r;
-var minSpacing=1.5;
-var selfBlur=9.0;
+var minSpacing=BOKEH_TUNED_NEAR_QUARTER;
+var selfBlur=BOKEH_TUNED_NEAR_SELF_BLUR;
 if(isFar)
 {
 CoC=0.5*layerCoC.g;
-minSpacing=1.15;
-selfBlur=clamp(0.06*CoC*CoC,7.5,22.0);
+minSpacing=BOKEH_TUNED_FAR_QUARTER;
+selfBlur=clamp(BOKEH_TUNED_FAR_SELF_BLUR*CoC*CoC,BOKEH_TUNED_FAR_SELF_BLUR_MIN,
+BOKEH_TUNED_FAR_SELF_BLUR_MAX);
 }
 var spacing=0.5*CoC/f32(BOKEH_LAYER_SAMPLES);
-var hard=0.4;
+var hard=BOKEH_TUNED_HEXAGON_SIDE;
 if(polygon.sides < 6)
 {
 spacing=0.354*CoC/f32(BOKEH_LAYER_SAMPLES);
-hard=0.2;
+hard=BOKEH_TUNED_SQUARE_SIDE;
 }
 var blur:BokehBlur;
 blur.useQuarterLayer=spacing > minSpacing;
@@ -3207,7 +3267,7 @@ var far=BokehFetchGrid(FarSamp,center,grid,BokehLinearClamp);
 var weights=BokehHoleWeights(mid,far,inverseBrightness);
 for(var ring=0;ring < 3;ring++)
 {
-if(nearCoC < 6.0)
+if(nearCoC < BOKEH_TUNED_NEAR_START)
 {
 break;
 }
@@ -3448,7 +3508,7 @@ return result;
 fn BokehSpreadInverse(CoC:vec2f)->vec2f
 {
 let inverse=1.0/max(CoC*CoC,vec2f(0.000001,0.000001));
-return inverse*(inverse*9.6+4.0);
+return inverse*(inverse*(16.0*BOKEH_TUNED_PIXEL_BLUR)+4.0);
 }
 struct BokehRingLayout
 {
@@ -3483,7 +3543,7 @@ var gather=before;
 let full=BokehFullGrid(layers);
 let zero=vec2f(0.0,0.0);
 let one=vec2f(1.0,1.0);
-let outwards=0.58-0.04*f32(BOKEH_LAYER_RINGS);
+let outwards=BOKEH_TUNED_RING_POSITION-BOKEH_TUNED_RING_STEP*f32(BOKEH_LAYER_RINGS);
 let current=gather.inner+(outer-gather.inner)*outwards;
 let innerSquare=gather.inner*gather.inner;
 let area=outer*outer-innerSquare;
@@ -3560,12 +3620,11 @@ BokehLinearClamp);
 var result=centerPixel.rgb;
 let halves=BokehReducedGrid(layers,2.0);
 var nearLayer=vec4f(0.0,0.0,0.0,0.0);
-if(BOKEH_SIDES > 0&&tile.r > 6.0)
+if(BOKEH_SIDES > 0&&tile.r > BOKEH_TUNED_NEAR_START)
 {
 nearLayer=BokehFetchLayer(NearSamp,0.5*center,halves,BokehLinearClamp);
 }
-let fullAlpha=1.002;
-if(max(tile.r,tile.g) > 1.0&&nearLayer.a*fullAlpha < 1.0)
+if(max(tile.r,tile.g) > 1.0&&nearLayer.a*BOKEH_TUNED_NEAR_ALPHA < 1.0)
 {
 var gather:BokehGather;
 let s=centerPixel.a*full.size.y;
@@ -3589,7 +3648,8 @@ denseRings+=1.0;
 var rings=denseRings;
 if(max(nearWeight,farWeight*tile.r*f32(BOKEH_LAYER_RINGS-1)) <= 0.0)
 {
-rings=max(rings,min(radius/3.0,f32(BOKEH_LAYER_RINGS)+1.0));
+rings=max(rings,min(radius/BOKEH_TUNED_RING_WIDTH,
+f32(BOKEH_LAYER_RINGS)+1.0));
 }
 ringLayout.spacing=max(min(radius/1.499,1.0),radius/(rings+0.499));
 gather.inner=BokehRingBorder(0,ringLayout);
@@ -3644,7 +3704,7 @@ polygon),outer,polygon,layers,BokehLinearClamp);
 }
 }
 var farLayer=vec4f(0.0,0.0,0.0,0.0);
-if(max(tile.r,tile.g-4.0) > 6.0)
+if(tile.r > BOKEH_TUNED_NEAR_START || tile.g > BOKEH_TUNED_FAR_START)
 {
 if(BOKEH_SIDES==0)
 {
@@ -3686,7 +3746,7 @@ max(sum.a+empty,0.000001);
 result+=(stack-result)*nearWeight;
 }
 }
-let alpha=clamp(nearLayer.a*fullAlpha,0.0,1.0);
+let alpha=clamp(nearLayer.a*BOKEH_TUNED_NEAR_ALPHA,0.0,1.0);
 result=result*(1.0-alpha)+nearLayer.rgb*(alpha/max(nearLayer.a,0.000001));
 return vec4f(result,centerPixel.a);
 }

@@ -45,6 +45,12 @@ GLSL = r"""
 #endif
 #define BOKEH_MIN_DEPTH 0.000001
 #define BOKEH_MAX_DEPTH 1000000000.0
+#define BOKEH_TUNED_LIGHT_START 4.0
+#define BOKEH_TUNED_LIGHT_FULL 8.0
+#define BOKEH_TUNED_RIM_START 1.3
+#define BOKEH_TUNED_RIM_FULL 1.5
+#define BOKEH_TUNED_SHARP_WEIGHT 0.5
+#define BOKEH_TUNED_DENSE_RATIO 0.25
 #if BOKEH_NUM_SAMPLES < 2
 #error BOKEH_NUM_SAMPLES must be 2 or more: a line has two ends
 #endif
@@ -231,8 +237,10 @@ brightest = BokehBrighter(brightest, left, vec2(-1.0, 0.0));
 brightest = BokehBrighter(brightest, below, vec2(0.0, 1.0));
 brightest = BokehBrighter(brightest, above, vec2(0.0, -1.0));
 float ratio = brightest.z / brightness;
-float dark = clamp(0.25 * ratio - 1.0, 0.0, 1.0);
-float rim = clamp(5.0 * brightness / max(darkest, 0.0000001) - 6.5, 0.0, 1.0) *
+float dark = clamp((ratio - BOKEH_TUNED_LIGHT_START) / (BOKEH_TUNED_LIGHT_FULL -
+BOKEH_TUNED_LIGHT_START), 0.0, 1.0);
+float rim = clamp((brightness / max(darkest, 0.0000001) - BOKEH_TUNED_RIM_START) /
+(BOKEH_TUNED_RIM_FULL - BOKEH_TUNED_RIM_START), 0.0, 1.0) *
 clamp(10.0 * ratio - 10.0, 0.0, 1.0);
 return vec4(brightest.xy, dark, rim);
 }
@@ -451,13 +459,14 @@ return segment * vec4(polygon.squeeze, 1.0, polygon.squeeze, 1.0);
 }
 float BokehNearRayWeight(float ratio)
 {
-return clamp(max(0.5 + 4.0 * ratio, -ratio), 0.5, 1.0);
+return clamp(max(BOKEH_TUNED_SHARP_WEIGHT + 4.0 * ratio, -ratio), BOKEH_TUNED_SHARP_WEIGHT,
+1.0);
 }
 vec2 BokehFarRayWeight(float ratio, float samples, int i)
 {
 float part = min(abs(ratio), 1.0);
 float reached = clamp(part * samples - float(i), 0.0, 1.0);
-return vec2(reached / max(part, 0.25), reached);
+return vec2(reached / max(part, BOKEH_TUNED_DENSE_RATIO), reached);
 }
 struct BokehLine
 {
@@ -850,6 +859,25 @@ return BokehResolve(color, totalWeight, centerPixel, blurCoC);
 #ifndef BOKEH_MIN_BRIGHTNESS
 #define BOKEH_MIN_BRIGHTNESS 0.00001
 #endif
+#define BOKEH_TUNED_NEAR_START 6.0
+#define BOKEH_TUNED_NEAR_FULL 12.0
+#define BOKEH_TUNED_FAR_START 10.0
+#define BOKEH_TUNED_FAR_FULL 16.0
+#define BOKEH_TUNED_NEAR_LIMIT 60.0
+#define BOKEH_TUNED_COC_SIGMA 0.0375
+#define BOKEH_TUNED_NEAR_SELF_BLUR 9.0
+#define BOKEH_TUNED_FAR_SELF_BLUR 0.06
+#define BOKEH_TUNED_FAR_SELF_BLUR_MIN 7.5
+#define BOKEH_TUNED_FAR_SELF_BLUR_MAX 22.0
+#define BOKEH_TUNED_NEAR_QUARTER 1.5
+#define BOKEH_TUNED_FAR_QUARTER 1.15
+#define BOKEH_TUNED_HEXAGON_SIDE 0.4
+#define BOKEH_TUNED_SQUARE_SIDE 0.2
+#define BOKEH_TUNED_RING_WIDTH 3.0
+#define BOKEH_TUNED_RING_POSITION 0.58
+#define BOKEH_TUNED_RING_STEP 0.04
+#define BOKEH_TUNED_PIXEL_BLUR 0.6
+#define BOKEH_TUNED_NEAR_ALPHA 1.002
 struct BokehGrid
 {
 vec2 size;
@@ -930,11 +958,12 @@ return 5.0 / max(largest / gate, 2.0);
 }
 float BokehNearSlope(float largest)
 {
-return BokehLayerSlope(min(largest, 60.0), 6.0, 12.0);
+return BokehLayerSlope(min(largest, BOKEH_TUNED_NEAR_LIMIT), BOKEH_TUNED_NEAR_START,
+BOKEH_TUNED_NEAR_FULL);
 }
 float BokehFarSlope(float largest)
 {
-return BokehLayerSlope(largest, 10.0, 16.0);
+return BokehLayerSlope(largest, BOKEH_TUNED_FAR_START, BOKEH_TUNED_FAR_FULL);
 }
 float BokehLayerWeight(float CoC, float slope)
 {
@@ -1124,7 +1153,7 @@ BOKEH_TEXTURE DilatedTilesSamp, vec2 axis, BokehLayerContext layers)
 {
 BokehGrid grid = BokehReducedGrid(layers, 8.0);
 vec2 tile = BokehFetchGrid(DilatedTilesSamp, layers.uv * grid.size, grid).rg;
-vec2 sigma = max(tile * 0.0375, vec2(0.6, 0.6));
+vec2 sigma = max(tile * BOKEH_TUNED_COC_SIGMA, vec2(0.6, 0.6));
 float radius = BokehReachTiles(layers);
 vec4 sums = vec4(0.0, 0.0, 0.0, 0.0);
 vec2 gatherCoC = vec2(0.0, 0.0);
@@ -1168,11 +1197,11 @@ BokehTileSums tileSums = BokehLayerCoCAlong(GatherCoCSamp, SumsSamp, DilatedTile
 1.0), layers);
 vec4 sums = tileSums.sums;
 vec2 layerCoC = vec2(0.0, 0.0);
-if (sums.g > 0.0001 && tile.r > 6.0)
+if (sums.g > 0.0001 && tile.r > BOKEH_TUNED_NEAR_START)
 {
 layerCoC = vec2(8.0 * sums.r / sums.g, 0.0);
 }
-if (sums.a > 0.0001 && tile.g > 10.0)
+if (sums.a > 0.0001 && tile.g > BOKEH_TUNED_FAR_START)
 {
 layerCoC = vec2(layerCoC.x, 8.0 * sums.b / sums.a);
 }
@@ -1196,20 +1225,21 @@ float sideTap;
 BokehBlur BokehLayerBlur(vec2 layerCoC, bool isFar, BokehPolygon polygon)
 {
 float CoC = 0.5 * layerCoC.r;
-float minSpacing = 1.5;
-float selfBlur = 9.0;
+float minSpacing = BOKEH_TUNED_NEAR_QUARTER;
+float selfBlur = BOKEH_TUNED_NEAR_SELF_BLUR;
 if (isFar)
 {
 CoC = 0.5 * layerCoC.g;
-minSpacing = 1.15;
-selfBlur = clamp(0.06 * CoC * CoC, 7.5, 22.0);
+minSpacing = BOKEH_TUNED_FAR_QUARTER;
+selfBlur = clamp(BOKEH_TUNED_FAR_SELF_BLUR * CoC * CoC, BOKEH_TUNED_FAR_SELF_BLUR_MIN,
+BOKEH_TUNED_FAR_SELF_BLUR_MAX);
 }
 float spacing = 0.5 * CoC / float(BOKEH_LAYER_SAMPLES);
-float hard = 0.4;
+float hard = BOKEH_TUNED_HEXAGON_SIDE;
 if (polygon.sides < 6)
 {
 spacing = 0.354 * CoC / float(BOKEH_LAYER_SAMPLES);
-hard = 0.2;
+hard = BOKEH_TUNED_SQUARE_SIDE;
 }
 BokehBlur blur;
 blur.useQuarterLayer = spacing > minSpacing;
@@ -1328,7 +1358,7 @@ vec4 far = BokehFetchGrid(FarSamp, center, grid);
 vec2 weights = BokehHoleWeights(mid, far, inverseBrightness);
 for (int ring = 0; ring < 3; ring++)
 {
-if (nearCoC < 6.0)
+if (nearCoC < BOKEH_TUNED_NEAR_START)
 {
 break;
 }
@@ -1549,7 +1579,7 @@ return result;
 vec2 BokehSpreadInverse(vec2 CoC)
 {
 vec2 inverse = 1.0 / max(CoC * CoC, vec2(0.000001, 0.000001));
-return inverse * (inverse * 9.6 + 4.0);
+return inverse * (inverse * (16.0 * BOKEH_TUNED_PIXEL_BLUR) + 4.0);
 }
 struct BokehRingLayout
 {
@@ -1583,7 +1613,7 @@ BokehGather gather = before;
 BokehGrid full = BokehFullGrid(layers);
 vec2 zero = vec2(0.0, 0.0);
 vec2 one = vec2(1.0, 1.0);
-float outwards = 0.58 - 0.04 * float(BOKEH_LAYER_RINGS);
+float outwards = BOKEH_TUNED_RING_POSITION - BOKEH_TUNED_RING_STEP * float(BOKEH_LAYER_RINGS);
 float current = gather.inner + (outer - gather.inner) * outwards;
 float innerSquare = gather.inner * gather.inner;
 float area = outer * outer - innerSquare;
@@ -1656,12 +1686,11 @@ vec4 tile = BokehFetchGrid(GatherTilesSamp, center / 8.0, BokehReducedGrid(layer
 vec3 result = centerPixel.rgb;
 BokehGrid halves = BokehReducedGrid(layers, 2.0);
 vec4 nearLayer = vec4(0.0, 0.0, 0.0, 0.0);
-if (BOKEH_SIDES > 0 && tile.r > 6.0)
+if (BOKEH_SIDES > 0 && tile.r > BOKEH_TUNED_NEAR_START)
 {
 nearLayer = BokehFetchLayer(NearSamp, 0.5 * center, halves);
 }
-float fullAlpha = 1.002;
-if (max(tile.r, tile.g) > 1.0 && nearLayer.a * fullAlpha < 1.0)
+if (max(tile.r, tile.g) > 1.0 && nearLayer.a * BOKEH_TUNED_NEAR_ALPHA < 1.0)
 {
 BokehGather gather;
 float s = centerPixel.a * full.size.y;
@@ -1685,7 +1714,8 @@ denseRings += 1.0;
 float rings = denseRings;
 if (max(nearWeight, farWeight * tile.r * float(BOKEH_LAYER_RINGS - 1)) <= 0.0)
 {
-rings = max(rings, min(radius / 3.0, float(BOKEH_LAYER_RINGS) + 1.0));
+rings = max(rings, min(radius / BOKEH_TUNED_RING_WIDTH,
+float(BOKEH_LAYER_RINGS) + 1.0));
 }
 ringLayout.spacing = max(min(radius / 1.499, 1.0), radius / (rings + 0.499));
 gather.inner = BokehRingBorder(0, ringLayout);
@@ -1740,7 +1770,7 @@ polygon), outer, polygon, layers);
 }
 }
 vec4 farLayer = vec4(0.0, 0.0, 0.0, 0.0);
-if (max(tile.r, tile.g - 4.0) > 6.0)
+if (tile.r > BOKEH_TUNED_NEAR_START || tile.g > BOKEH_TUNED_FAR_START)
 {
 if (BOKEH_SIDES == 0)
 {
@@ -1780,7 +1810,7 @@ max(sum.a + empty, 0.000001);
 result += (stack - result) * nearWeight;
 }
 }
-float alpha = clamp(nearLayer.a * fullAlpha, 0.0, 1.0);
+float alpha = clamp(nearLayer.a * BOKEH_TUNED_NEAR_ALPHA, 0.0, 1.0);
 result = result * (1.0 - alpha) + nearLayer.rgb * (alpha / max(nearLayer.a, 0.000001));
 return vec4(result, centerPixel.a);
 }

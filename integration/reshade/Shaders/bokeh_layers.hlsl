@@ -102,6 +102,69 @@
 #define BOKEH_MIN_BRIGHTNESS 0.00001
 #endif
 
+// Tuned constants: each comment says what goes wrong with another value.
+// docs/methods/layered.md has the measurements.
+
+// The near layer appears while the largest near CoC in reach grows from START to FULL, pixels. With
+// lower or higher limits, the edges of small blurs get worse.
+#define BOKEH_TUNED_NEAR_START 6.0
+#define BOKEH_TUNED_NEAR_FULL 12.0
+
+// The far layer likewise. With lower limits, the half resolution shows; with higher ones, the
+// gather has to reach farther.
+#define BOKEH_TUNED_FAR_START 10.0
+#define BOKEH_TUNED_FAR_FULL 16.0
+
+// Largest near CoC, pixels, to which the ramp of BokehLayerWeight is relative. With a higher limit,
+// the gather gets pixels of a large CoC, and its few samples show as dashes; with a lower one, the
+// edges of large blurs get worse.
+#define BOKEH_TUNED_NEAR_LIMIT 60.0
+
+// Standard deviation of the Gaussian that averages the CoC of a layer, tiles for each pixel of CoC:
+// 0.3 CoC. If it is wider, a light takes its CoC from too far away; if it is narrower, the CoC
+// changes within one light.
+#define BOKEH_TUNED_COC_SIGMA 0.0375
+
+// The averages of 2 x 2 and the linear filter already blur a layer, so this is subtracted from its
+// squared CoC, in texels of the half size. If it is lower, the near layer is too soft; if it is
+// higher, too sharp.
+#define BOKEH_TUNED_NEAR_SELF_BLUR 9.0
+
+// For the far layer, it is a fraction of the squared CoC, from MIN to MAX. A higher MIN makes small
+// lights too small, and a lower MAX makes the edges of wide lights soft.
+#define BOKEH_TUNED_FAR_SELF_BLUR 0.06
+#define BOKEH_TUNED_FAR_SELF_BLUR_MIN 7.5
+#define BOKEH_TUNED_FAR_SELF_BLUR_MAX 22.0
+
+// A layer is read at quarter size where its samples are farther apart than this, texels of the half
+// size. With a lower value, edges get soft; with a higher one, dots show.
+#define BOKEH_TUNED_NEAR_QUARTER 1.5
+#define BOKEH_TUNED_FAR_QUARTER 1.15
+
+// The outer texels of the filter that makes the quarter size have the weight spacing / 4 - SIDE.
+// With a lower value, edges get soft; with a higher one, dots show.
+#define BOKEH_TUNED_HEXAGON_SIDE 0.4
+#define BOKEH_TUNED_SQUARE_SIDE 0.2
+
+// The gather has one more ring where its rings would be wider than this, pixels. With a higher
+// value, a thin bright line shows as a row of copies; a lower one costs fetches.
+#define BOKEH_TUNED_RING_WIDTH 3.0
+
+// Samples of the gather lie at POSITION - rings * STEP of the width of their ring: half-way with
+// two rings. With more rings they lie farther in, or the rotated first ring would get too much
+// weight.
+#define BOKEH_TUNED_RING_POSITION 0.58
+#define BOKEH_TUNED_RING_STEP 0.04
+
+// Pixels and the linear filter blur already, so a CoC spreads as if its squared radius were larger
+// by this, squared pixels. 0.6 suits input of one sample per pixel, 1.2 antialiased input.
+#define BOKEH_TUNED_PIXEL_BLUR 0.6
+
+// Half floats leave a pixel that the near layer covers at an alpha of 0.999, so alpha is multiplied
+// by this. With a lower factor, a light behind the near layer shines through; with a higher one,
+// edges get hard.
+#define BOKEH_TUNED_NEAR_ALPHA 1.002
+
 // Layers: says where the image lies in textures of one size; everything in texels of that size
 //   size          width and height of the image
 //   origin        its first texel: 0, or that of the viewport
@@ -215,21 +278,17 @@ float BokehLayerSlope(float largest, float startCoC, float fullCoC)
     return 5.0 / max(largest / gate, 2.0);
 }
 
-// Layers: returns the slope of the near layer, which appears from 6 to 12 pixels
-//   With lower or higher limits, the edges of small blurs get worse.
-//   Above 60 pixels the slope stays constant, so that no pixel with a CoC above 36 is left to the
-//   gather, whose few samples would show.
+// Layers: returns the slope of the near layer
 float BokehNearSlope(float largest)
 {
-    return BokehLayerSlope(min(largest, 60.0), 6.0, 12.0);
+    return BokehLayerSlope(min(largest, BOKEH_TUNED_NEAR_LIMIT), BOKEH_TUNED_NEAR_START,
+        BOKEH_TUNED_NEAR_FULL);
 }
 
-// Layers: returns the slope of the far layer, which appears from 10 to 16 pixels
-//   With lower limits, the half resolution shows; with higher ones, the gather has to reach
-//   farther.
+// Layers: returns the slope of the far layer
 float BokehFarSlope(float largest)
 {
-    return BokehLayerSlope(largest, 10.0, 16.0);
+    return BokehLayerSlope(largest, BOKEH_TUNED_FAR_START, BOKEH_TUNED_FAR_FULL);
 }
 
 // Layers: returns the weight of a pixel in a layer: a ramp from 0 to 1 between 0.4 and 0.6 of the
@@ -503,9 +562,7 @@ BokehTileSums BokehLayerCoCAlong(BOKEH_TEXTURE GatherCoCSamp, BOKEH_TEXTURE Sums
 {
     BokehGrid grid = BokehReducedGrid(layers, 8.0);
     float2 tile = BokehFetchGrid(DilatedTilesSamp, layers.uv * grid.size, grid BOKEH_LINEAR).rg;
-    // in tiles; wider, a light takes its CoC from too far away; narrower, the CoC changes within
-    // one light
-    float2 sigma = max(tile * 0.0375, float2(0.6, 0.6));
+    float2 sigma = max(tile * BOKEH_TUNED_COC_SIGMA, float2(0.6, 0.6));
     float radius = BokehReachTiles(layers);
     float4 sums = float4(0.0, 0.0, 0.0, 0.0);
     float2 gatherCoC = float2(0.0, 0.0);
@@ -565,11 +622,11 @@ BokehLayerCoCTargets BokehLayerCoCColumns(BOKEH_TEXTURE GatherCoCSamp, BOKEH_TEX
         float2(0.0, 1.0), layers BOKEH_LINEAR);
     float4 sums = tileSums.sums;
     float2 layerCoC = float2(0.0, 0.0);
-    if (sums.g > 0.0001 && tile.r > 6.0)
+    if (sums.g > 0.0001 && tile.r > BOKEH_TUNED_NEAR_START)
     {
         layerCoC = float2(8.0 * sums.r / sums.g, 0.0);
     }
-    if (sums.a > 0.0001 && tile.g > 10.0)
+    if (sums.a > 0.0001 && tile.g > BOKEH_TUNED_FAR_START)
     {
         layerCoC = float2(layerCoC.x, 8.0 * sums.b / sums.a);
     }
@@ -608,30 +665,26 @@ struct BokehBlur
 };
 
 // Layers: chooses how a layer is blurred from its CoC
-//   selfBlur is the blur that 2 x 2 averages and the linear filter cause, subtracted from the
-//   squared CoC: lower, layers are too soft; higher, near ones are too sharp. A far layer uses less
-//   of it for small lights, to keep their size, and more for wide ones, to get hard edges.
-//   minSpacing is the spacing from which the quarter size is read: lower, near edges get soft;
-//   higher, dots show.
 //   layerCoC      from BokehLayerCoC
 BokehBlur BokehLayerBlur(float2 layerCoC, bool isFar, BokehPolygon polygon)
 {
     float CoC = 0.5 * layerCoC.r;
-    float minSpacing = 1.5;
-    float selfBlur = 9.0;
+    float minSpacing = BOKEH_TUNED_NEAR_QUARTER;
+    float selfBlur = BOKEH_TUNED_NEAR_SELF_BLUR;
     if (isFar)
     {
         CoC = 0.5 * layerCoC.g;
-        minSpacing = 1.15;
-        selfBlur = clamp(0.06 * CoC * CoC, 7.5, 22.0);
+        minSpacing = BOKEH_TUNED_FAR_QUARTER;
+        selfBlur = clamp(BOKEH_TUNED_FAR_SELF_BLUR * CoC * CoC, BOKEH_TUNED_FAR_SELF_BLUR_MIN,
+            BOKEH_TUNED_FAR_SELF_BLUR_MAX);
     }
     // a square has only one line in each pass
     float spacing = 0.5 * CoC / float(BOKEH_LAYER_SAMPLES);
-    float hard = 0.4;
+    float hard = BOKEH_TUNED_HEXAGON_SIDE;
     if (polygon.sides < 6)
     {
         spacing = 0.354 * CoC / float(BOKEH_LAYER_SAMPLES);
-        hard = 0.2;
+        hard = BOKEH_TUNED_SQUARE_SIDE;
     }
     BokehBlur blur;
     blur.useQuarterLayer = spacing > minSpacing;
@@ -795,7 +848,7 @@ BokehFilled BokehHoleFill(BOKEH_TEXTURE MidSamp, BOKEH_TEXTURE FarSamp,
     for (int ring = 0; ring < 3; ring++)
     {
         // no near layer, no holes
-        if (nearCoC < 6.0)
+        if (nearCoC < BOKEH_TUNED_NEAR_START)
         {
             break;
         }
@@ -1078,12 +1131,11 @@ float4 BokehFetchLayer(BOKEH_TEXTURE LayerSamp, float2 place, BokehGrid halves B
 }
 
 // Layers: returns 1 / radius^2 of the discs over which two CoC spread, pixels
-//   With r = CoC / 2 it is (r^2 + 0.6) / r^4: pixels and the linear filter blur already. 0.6 suits
-//   input of one sample per pixel, 1.2 antialiased input.
+//   With r = CoC / 2 it is (r^2 + BOKEH_TUNED_PIXEL_BLUR) / r^4.
 float2 BokehSpreadInverse(float2 CoC)
 {
     float2 inverse = 1.0 / max(CoC * CoC, float2(0.000001, 0.000001));
-    return inverse * (inverse * 9.6 + 4.0);
+    return inverse * (inverse * (16.0 * BOKEH_TUNED_PIXEL_BLUR) + 4.0);
 }
 
 // Layers: describes how the gather of a pixel is divided into rings
@@ -1144,9 +1196,7 @@ BokehGather BokehGatherRing(BokehGather before, BOKEH_TEXTURE MapSamp, int ring,
     BokehGrid full = BokehFullGrid(layers);
     float2 zero = float2(0.0, 0.0);
     float2 one = float2(1.0, 1.0);
-    // where in their ring samples lie: half-way with two rings; with more, farther in, or the
-    // rotated first ring would get too much weight
-    float outwards = 0.58 - 0.04 * float(BOKEH_LAYER_RINGS);
+    float outwards = BOKEH_TUNED_RING_POSITION - BOKEH_TUNED_RING_STEP * float(BOKEH_LAYER_RINGS);
     float current = gather.inner + (outer - gather.inner) * outwards;
     float innerSquare = gather.inner * gather.inner;
     float area = outer * outer - innerSquare;
@@ -1244,16 +1294,13 @@ float4 BokehComposite(BOKEH_TEXTURE MapSamp, BOKEH_TEXTURE GatherTilesSamp, BOKE
     float4 nearLayer = float4(0.0, 0.0, 0.0, 0.0);
     // only where BOKEH_SIDES is defined: shader model 3 has too few registers to keep the layer
     // during the gather
-    if (BOKEH_SIDES > 0 && tile.r > 6.0)
+    if (BOKEH_SIDES > 0 && tile.r > BOKEH_TUNED_NEAR_START)
     {
         nearLayer = BokehFetchLayer(NearSamp, 0.5 * center, halves BOKEH_LINEAR);
     }
-    // half floats leave a covered pixel at 0.999: a lower factor lets a light behind it shine
-    // through, a higher one makes edges hard
-    float fullAlpha = 1.002;
     // copy the input if nothing within reach is blurred by more than a pixel; a near layer may hide
     // everything else
-    if (max(tile.r, tile.g) > 1.0 && nearLayer.a * fullAlpha < 1.0)
+    if (max(tile.r, tile.g) > 1.0 && nearLayer.a * BOKEH_TUNED_NEAR_ALPHA < 1.0)
     {
         BokehGather gather;
         float s = centerPixel.a * full.size.y;
@@ -1283,7 +1330,8 @@ float4 BokehComposite(BOKEH_TEXTURE MapSamp, BOKEH_TEXTURE GatherTilesSamp, BOKE
             // A gather that reaches far has one more ring, of few samples: with wider gaps between
             // the rings, a thin bright line would show as a row of copies. In a layer the gather
             // shows less; there, only a preset with a single ring has one more.
-            rings = max(rings, min(radius / 3.0, float(BOKEH_LAYER_RINGS) + 1.0));
+            rings = max(rings, min(radius / BOKEH_TUNED_RING_WIDTH,
+                float(BOKEH_LAYER_RINGS) + 1.0));
         }
         // rings closer than a pixel find nothing new; .499: the last ends at the radius
         ringLayout.spacing = max(min(radius / 1.499, 1.0), radius / (rings + 0.499));
@@ -1350,7 +1398,7 @@ float4 BokehComposite(BOKEH_TEXTURE MapSamp, BOKEH_TEXTURE GatherTilesSamp, BOKE
         }
 
         float4 farLayer = float4(0.0, 0.0, 0.0, 0.0);
-        if (max(tile.r, tile.g - 4.0) > 6.0)
+        if (tile.r > BOKEH_TUNED_NEAR_START || tile.g > BOKEH_TUNED_FAR_START)
         {
             if (BOKEH_SIDES == 0)
             {
@@ -1396,7 +1444,7 @@ float4 BokehComposite(BOKEH_TEXTURE MapSamp, BOKEH_TEXTURE GatherTilesSamp, BOKE
             result += (stack - result) * nearWeight;
         }
     }
-    float alpha = clamp(nearLayer.a * fullAlpha, 0.0, 1.0);
+    float alpha = clamp(nearLayer.a * BOKEH_TUNED_NEAR_ALPHA, 0.0, 1.0);
     result = result * (1.0 - alpha) + nearLayer.rgb * (alpha / max(nearLayer.a, 0.000001));
     return float4(result, centerPixel.a);
 }

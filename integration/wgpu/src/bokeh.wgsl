@@ -7,6 +7,12 @@ override BOKEH_SIDES: i32 = 0;
 const BOKEH_MAX_COLOR: f32 = 65504.0;
 const BOKEH_MIN_DEPTH: f32 = 0.000001;
 const BOKEH_MAX_DEPTH: f32 = 1000000000.0;
+const BOKEH_TUNED_LIGHT_START: f32 = 4.0;
+const BOKEH_TUNED_LIGHT_FULL: f32 = 8.0;
+const BOKEH_TUNED_RIM_START: f32 = 1.3;
+const BOKEH_TUNED_RIM_FULL: f32 = 1.5;
+const BOKEH_TUNED_SHARP_WEIGHT: f32 = 0.5;
+const BOKEH_TUNED_DENSE_RATIO: f32 = 0.25;
 alias BokehDepthTexture = texture_2d<f32>;
 fn BokehFetchTexture(tex: texture_2d<f32>, coords: vec2f, BokehLinearClamp: sampler) -> vec4f
 {
@@ -166,8 +172,10 @@ brightest = BokehBrighter(brightest, left, vec2f(-1.0, 0.0));
 brightest = BokehBrighter(brightest, below, vec2f(0.0, 1.0));
 brightest = BokehBrighter(brightest, above, vec2f(0.0, -1.0));
 let ratio: f32 = brightest.z / brightness;
-let dark: f32 = clamp(0.25 * ratio - 1.0, 0.0, 1.0);
-let rim: f32 = clamp(5.0 * brightness / max(darkest, 0.0000001) - 6.5, 0.0, 1.0) *
+let dark: f32 = clamp((ratio - BOKEH_TUNED_LIGHT_START) / (BOKEH_TUNED_LIGHT_FULL -
+BOKEH_TUNED_LIGHT_START), 0.0, 1.0);
+let rim: f32 = clamp((brightness / max(darkest, 0.0000001) - BOKEH_TUNED_RIM_START) /
+(BOKEH_TUNED_RIM_FULL - BOKEH_TUNED_RIM_START), 0.0, 1.0) *
 clamp(10.0 * ratio - 10.0, 0.0, 1.0);
 return vec4f(brightest.xy, dark, rim);
 }
@@ -389,13 +397,14 @@ return segment * vec4f(polygon.squeeze, 1.0, polygon.squeeze, 1.0);
 }
 fn BokehNearRayWeight(ratio: f32) -> f32
 {
-return clamp(max(0.5 + 4.0 * ratio, -ratio), 0.5, 1.0);
+return clamp(max(BOKEH_TUNED_SHARP_WEIGHT + 4.0 * ratio, -ratio), BOKEH_TUNED_SHARP_WEIGHT,
+1.0);
 }
 fn BokehFarRayWeight(ratio: f32, samples: f32, i: i32) -> vec2f
 {
 let part: f32 = min(abs(ratio), 1.0);
 let reached: f32 = clamp(part * samples - f32(i), 0.0, 1.0);
-return vec2f(reached / max(part, 0.25), reached);
+return vec2f(reached / max(part, BOKEH_TUNED_DENSE_RATIO), reached);
 }
 struct BokehLine
 {
@@ -770,6 +779,25 @@ override BOKEH_LAYER_RINGS: i32 = 2;
 override BOKEH_LAYER_SAMPLES: i32 = 11;
 override BOKEH_LAYER_CUBIC: i32 = 1;
 const BOKEH_MIN_BRIGHTNESS: f32 = 0.00001;
+const BOKEH_TUNED_NEAR_START: f32 = 6.0;
+const BOKEH_TUNED_NEAR_FULL: f32 = 12.0;
+const BOKEH_TUNED_FAR_START: f32 = 10.0;
+const BOKEH_TUNED_FAR_FULL: f32 = 16.0;
+const BOKEH_TUNED_NEAR_LIMIT: f32 = 60.0;
+const BOKEH_TUNED_COC_SIGMA: f32 = 0.0375;
+const BOKEH_TUNED_NEAR_SELF_BLUR: f32 = 9.0;
+const BOKEH_TUNED_FAR_SELF_BLUR: f32 = 0.06;
+const BOKEH_TUNED_FAR_SELF_BLUR_MIN: f32 = 7.5;
+const BOKEH_TUNED_FAR_SELF_BLUR_MAX: f32 = 22.0;
+const BOKEH_TUNED_NEAR_QUARTER: f32 = 1.5;
+const BOKEH_TUNED_FAR_QUARTER: f32 = 1.15;
+const BOKEH_TUNED_HEXAGON_SIDE: f32 = 0.4;
+const BOKEH_TUNED_SQUARE_SIDE: f32 = 0.2;
+const BOKEH_TUNED_RING_WIDTH: f32 = 3.0;
+const BOKEH_TUNED_RING_POSITION: f32 = 0.58;
+const BOKEH_TUNED_RING_STEP: f32 = 0.04;
+const BOKEH_TUNED_PIXEL_BLUR: f32 = 0.6;
+const BOKEH_TUNED_NEAR_ALPHA: f32 = 1.002;
 struct BokehGrid
 {
 size: vec2f,
@@ -852,11 +880,12 @@ return 5.0 / max(largest / gate, 2.0);
 }
 fn BokehNearSlope(largest: f32) -> f32
 {
-return BokehLayerSlope(min(largest, 60.0), 6.0, 12.0);
+return BokehLayerSlope(min(largest, BOKEH_TUNED_NEAR_LIMIT), BOKEH_TUNED_NEAR_START,
+BOKEH_TUNED_NEAR_FULL);
 }
 fn BokehFarSlope(largest: f32) -> f32
 {
-return BokehLayerSlope(largest, 10.0, 16.0);
+return BokehLayerSlope(largest, BOKEH_TUNED_FAR_START, BOKEH_TUNED_FAR_FULL);
 }
 fn BokehLayerWeight(CoC: f32, slope: f32) -> f32
 {
@@ -1058,7 +1087,7 @@ BokehLinearClamp: sampler) -> BokehTileSums
 let grid: BokehGrid = BokehReducedGrid(layers, 8.0);
 let tile: vec2f = BokehFetchGrid(DilatedTilesSamp, layers.uv * grid.size, grid,
 BokehLinearClamp).rg;
-let sigma: vec2f = max(tile * 0.0375, vec2f(0.6, 0.6));
+let sigma: vec2f = max(tile * BOKEH_TUNED_COC_SIGMA, vec2f(0.6, 0.6));
 let radius: f32 = BokehReachTiles(layers);
 var sums: vec4f = vec4f(0.0, 0.0, 0.0, 0.0);
 var gatherCoC: vec2f = vec2f(0.0, 0.0);
@@ -1106,11 +1135,11 @@ let tileSums: BokehTileSums = BokehLayerCoCAlong(GatherCoCSamp, SumsSamp, Dilate
 vec2f(0.0, 1.0), layers, BokehLinearClamp);
 let sums: vec4f = tileSums.sums;
 var layerCoC: vec2f = vec2f(0.0, 0.0);
-if (sums.g > 0.0001 && tile.r > 6.0)
+if (sums.g > 0.0001 && tile.r > BOKEH_TUNED_NEAR_START)
 {
 layerCoC = vec2f(8.0 * sums.r / sums.g, 0.0);
 }
-if (sums.a > 0.0001 && tile.g > 10.0)
+if (sums.a > 0.0001 && tile.g > BOKEH_TUNED_FAR_START)
 {
 layerCoC = vec2f(layerCoC.x, 8.0 * sums.b / sums.a);
 }
@@ -1135,20 +1164,21 @@ sideTap: f32,
 fn BokehLayerBlur(layerCoC: vec2f, isFar: bool, polygon: BokehPolygon) -> BokehBlur
 {
 var CoC: f32 = 0.5 * layerCoC.r;
-var minSpacing: f32 = 1.5;
-var selfBlur: f32 = 9.0;
+var minSpacing: f32 = BOKEH_TUNED_NEAR_QUARTER;
+var selfBlur: f32 = BOKEH_TUNED_NEAR_SELF_BLUR;
 if (isFar)
 {
 CoC = 0.5 * layerCoC.g;
-minSpacing = 1.15;
-selfBlur = clamp(0.06 * CoC * CoC, 7.5, 22.0);
+minSpacing = BOKEH_TUNED_FAR_QUARTER;
+selfBlur = clamp(BOKEH_TUNED_FAR_SELF_BLUR * CoC * CoC, BOKEH_TUNED_FAR_SELF_BLUR_MIN,
+BOKEH_TUNED_FAR_SELF_BLUR_MAX);
 }
 var spacing: f32 = 0.5 * CoC / f32(BOKEH_LAYER_SAMPLES);
-var hard: f32 = 0.4;
+var hard: f32 = BOKEH_TUNED_HEXAGON_SIDE;
 if (polygon.sides < 6)
 {
 spacing = 0.354 * CoC / f32(BOKEH_LAYER_SAMPLES);
-hard = 0.2;
+hard = BOKEH_TUNED_SQUARE_SIDE;
 }
 var blur: BokehBlur;
 blur.useQuarterLayer = spacing > minSpacing;
@@ -1273,7 +1303,7 @@ var far: vec4f = BokehFetchGrid(FarSamp, center, grid, BokehLinearClamp);
 var weights: vec2f = BokehHoleWeights(mid, far, inverseBrightness);
 for (var ring: i32 = 0; ring < 3; ring++)
 {
-if (nearCoC < 6.0)
+if (nearCoC < BOKEH_TUNED_NEAR_START)
 {
 break;
 }
@@ -1514,7 +1544,7 @@ return result;
 fn BokehSpreadInverse(CoC: vec2f) -> vec2f
 {
 let inverse: vec2f = 1.0 / max(CoC * CoC, vec2f(0.000001, 0.000001));
-return inverse * (inverse * 9.6 + 4.0);
+return inverse * (inverse * (16.0 * BOKEH_TUNED_PIXEL_BLUR) + 4.0);
 }
 struct BokehRingLayout
 {
@@ -1549,7 +1579,7 @@ var gather: BokehGather = before;
 let full: BokehGrid = BokehFullGrid(layers);
 let zero: vec2f = vec2f(0.0, 0.0);
 let one: vec2f = vec2f(1.0, 1.0);
-let outwards: f32 = 0.58 - 0.04 * f32(BOKEH_LAYER_RINGS);
+let outwards: f32 = BOKEH_TUNED_RING_POSITION - BOKEH_TUNED_RING_STEP * f32(BOKEH_LAYER_RINGS);
 let current: f32 = gather.inner + (outer - gather.inner) * outwards;
 let innerSquare: f32 = gather.inner * gather.inner;
 let area: f32 = outer * outer - innerSquare;
@@ -1626,12 +1656,11 @@ BokehLinearClamp);
 var result: vec3f = centerPixel.rgb;
 let halves: BokehGrid = BokehReducedGrid(layers, 2.0);
 var nearLayer: vec4f = vec4f(0.0, 0.0, 0.0, 0.0);
-if (BOKEH_SIDES > 0 && tile.r > 6.0)
+if (BOKEH_SIDES > 0 && tile.r > BOKEH_TUNED_NEAR_START)
 {
 nearLayer = BokehFetchLayer(NearSamp, 0.5 * center, halves, BokehLinearClamp);
 }
-let fullAlpha: f32 = 1.002;
-if (max(tile.r, tile.g) > 1.0 && nearLayer.a * fullAlpha < 1.0)
+if (max(tile.r, tile.g) > 1.0 && nearLayer.a * BOKEH_TUNED_NEAR_ALPHA < 1.0)
 {
 var gather: BokehGather;
 let s: f32 = centerPixel.a * full.size.y;
@@ -1655,7 +1684,8 @@ denseRings += 1.0;
 var rings: f32 = denseRings;
 if (max(nearWeight, farWeight * tile.r * f32(BOKEH_LAYER_RINGS - 1)) <= 0.0)
 {
-rings = max(rings, min(radius / 3.0, f32(BOKEH_LAYER_RINGS) + 1.0));
+rings = max(rings, min(radius / BOKEH_TUNED_RING_WIDTH,
+f32(BOKEH_LAYER_RINGS) + 1.0));
 }
 ringLayout.spacing = max(min(radius / 1.499, 1.0), radius / (rings + 0.499));
 gather.inner = BokehRingBorder(0, ringLayout);
@@ -1710,7 +1740,7 @@ polygon), outer, polygon, layers, BokehLinearClamp);
 }
 }
 var farLayer: vec4f = vec4f(0.0, 0.0, 0.0, 0.0);
-if (max(tile.r, tile.g - 4.0) > 6.0)
+if (tile.r > BOKEH_TUNED_NEAR_START || tile.g > BOKEH_TUNED_FAR_START)
 {
 if (BOKEH_SIDES == 0)
 {
@@ -1752,7 +1782,7 @@ max(sum.a + empty, 0.000001);
 result += (stack - result) * nearWeight;
 }
 }
-let alpha: f32 = clamp(nearLayer.a * fullAlpha, 0.0, 1.0);
+let alpha: f32 = clamp(nearLayer.a * BOKEH_TUNED_NEAR_ALPHA, 0.0, 1.0);
 result = result * (1.0 - alpha) + nearLayer.rgb * (alpha / max(nearLayer.a, 0.000001));
 return vec4f(result, centerPixel.a);
 }

@@ -14,6 +14,8 @@ FUNCTION = re.compile(
 # A constant of the configuration: in HLSL and GLSL, then in WGSL
 SETTING = r"^#ifndef (\w+)\n#define \1 ([^\s/]+)\n#endif$"
 WGSL_SETTING = r"^(?:const|override) (\w+): (?:i32 = (-?\d+)|f32 = (-?\d+\.\d+));$"
+# Name of a constant that is not part of the configuration
+FIXED = r"BOKEH_(?:M\w+_DEPTH|TUNED_\w+)"
 
 # GLSL profile -> version line
 GLSL_VERSIONS = {"330": "#version 330", "300es": "#version 300 es", "450": "#version 450"}
@@ -49,10 +51,10 @@ def presets(source: str) -> dict[str, dict[str, str]]:
 
 
 def settings(language: str, source: str) -> dict[str, str]:
-    """Return name -> value of the configuration in a text, without a preset."""
+    """Return name -> value of the configuration in a text, without a preset, and of the tuned constants."""
     rows = re.findall(WGSL_SETTING if language == "wgsl" else SETTING, source, re.MULTILINE)
     plain = presets(source).get("", {})
-    fixed = dict(re.findall(r"^#define (BOKEH_M\w+_DEPTH) (\S+)$", source, re.MULTILINE))
+    fixed = dict(re.findall(rf"^#define ({FIXED}) (\S+)$", source, re.MULTILINE))
     return {name: plain.get("".join(value), "".join(value)) for name, *value in rows} | fixed
 
 

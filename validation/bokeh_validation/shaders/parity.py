@@ -70,7 +70,7 @@ _EVERYWHERE: _Rewrites = (
     ),
     (r"(?<=^//   )BOKEH_\w+", lambda found: _PASS_NAMES.get(found[0], found[0])),
     (r"^#define BOKEH_LOOP_LIMIT.*// differs: .*$", " "),
-    (r"^#define (BOKEH_M\w+_DEPTH) (\S+)$", r"\1 = \2;"),
+    (rf"^#define ({shaders.FIXED}) (\S+)$", r"\1 = \2;"),
     # WGSL has no preprocessor, so a program always contains all files
     (r"^#ifdef BOKEH_LENS\n((?: .*\n)* .*)\n#endif$", r"\1"),
     (r"^#ifdef BOKEH_(?:PAPER|LENS|LAYERS)\n((?:(?!#).*\n)*)#endif\n", r"\n\1\n"),

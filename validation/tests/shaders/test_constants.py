@@ -29,7 +29,8 @@ def test_defaults():
     }
     for language in paths.LANGUAGES:
         text = shaders.file_text(language)
-        actual = {name: np.float32(value) for name, value in shaders.settings(language, text).items()}
+        found = shaders.settings(language, text).items()
+        actual = {name: np.float32(value) for name, value in found if not name.startswith("BOKEH_TUNED_")}
         # in WGSL the type of the depth buffer is an alias that users replace
         known = {name: value for name, value in expected.items() if language != "wgsl" or "MULTISAMPLED" not in name}
         assert actual == {name: np.float32(value) for name, value in known.items()}, language
@@ -81,11 +82,13 @@ PLAIN = {"0.0", "0.5", "1.0", "2.0"}
 
 
 def tuned() -> dict[str, list[str]]:
-    """Return function of bokeh_layers.glsl -> its numbers in order, without PLAIN."""
+    """Return function of bokeh_layers.glsl -> its numbers in order, without PLAIN; and each BOKEH_TUNED_ constant."""
     text = re.sub(r"//.*", "", paths.shader("glsl", "bokeh_layers").read_text(encoding="utf-8"))
+    named = {name: [value] for name, value in re.findall(r"^#define (BOKEH_TUNED_\w+) (\S+)$", text, re.MULTILINE)}
     bodies = re.findall(r"^\w+ (\w+)\([^)]*\)\n\{\n(.*?)^\}", text, re.MULTILINE | re.DOTALL)
     found = {name: re.findall(r"(?<![\w.])\d+\.\d+", body) for name, body in bodies}
-    return {name: kept for name, numbers in found.items() if (kept := [one for one in numbers if one not in PLAIN])}
+    kept = {name: [one for one in numbers if one not in PLAIN] for name, numbers in found.items()}
+    return named | {name: numbers for name, numbers in kept.items() if numbers}
 
 
 def test_tuned_constants():
