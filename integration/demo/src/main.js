@@ -320,7 +320,8 @@ async function begin() {
   byId("links").replaceChildren(...data.links.map(([textContent, href]) => Object.assign(document.createElement("a"), { textContent, href })));
   view.open(byId("canvas"), data);
   const select = (name) => labelled(name, name, document.createElement("select"));
-  list(select("scene"), [], (index) => choose(Number(index)).catch(say));
+  // a scene looks best through the lens that it was made for
+  list(select("scene"), [], (index) => choose(Number(index)).then(traced).catch(say));
   list(select("preset"), data.presets.map((name) => [name.toUpperCase(), name]), (preset) => change({ preset }));
   list(select("blades"), Object.keys(data.apertures).map((sides) => [sides, sides]), (sides) => change({ blades: Number(sides) }));
   for (const side of SIDES) {

@@ -67,6 +67,13 @@ test("it begins with the lens of every integration, and a scene with a name", as
   assert.equal(await page.locator("h1").textContent(), "Polygonal bokeh");
 });
 
+test("a scene that is chosen from the list takes the lens that it was ray traced with", async () => {
+  await page.locator("#scene").selectOption({ label: "Winter evening" });
+  await page.waitForFunction(() => bokeh.state.scene === 1 && Math.abs(bokeh.state.stop - 11.4) < 0.1);
+  await choose(0);
+  assert.equal(await page.evaluate(() => bokeh.state.stop), 2.8);
+});
+
 test("the install line is copied by its button", async () => {
   await page.context().grantPermissions(["clipboard-read", "clipboard-write"]).catch(() => {});
   const line = await page.locator("#install code").textContent();
