@@ -31,7 +31,7 @@
 //   BOKEH_NAIVE_GRID            ColorSamp, DepthSamp              gather, over a grid
 //
 //   With bokeh_lens. BOKEH_LENS_SHAPE 1 also gives apertures curved blades and a cat's eye:
-//   BOKEH_STABLE_MAP            ColorSamp (map), ColorSampB .. C  steady; B: history, C: velocity
+//   BOKEH_STABLE_MAP            ColorSamp (map), ColorSampB .. C  steadier; B: history, C: velocity
 //   BOKEH_LATERAL_COLOR         ColorSamp (finished)              lateral colour
 //
 //   With bokeh_layers: the table of that file lists what each pass reads, in the order of the

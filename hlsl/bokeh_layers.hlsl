@@ -42,9 +42,9 @@
 // [11] layers
 //
 //   name                    default    range   meaning
-//   BOKEH_LAYER_RINGS       2          1 .. 4  rings of the small gather at full size; it takes one
-//                                              more where no layer is in reach (with CUBIC 0, where
-//                                              layers are small), and where it reaches far
+//   BOKEH_LAYER_RINGS       2          1 .. 4  rings of the small gather at full size. It takes one
+//                                              more where no layer is in reach (with CUBIC 0, also
+//                                              where layers are small), and where it reaches far
 //   BOKEH_LAYER_SAMPLES     11         2 ..    most samples on an edge of a layer's hexagon; twice
 //                                              as many on a square's, fewer on shorter edges
 //   BOKEH_LAYER_CUBIC       1          0, 1    1: layers are enlarged by five fetches, not by one
@@ -1254,7 +1254,7 @@ BokehGather BokehGatherRing(BokehGather before, BOKEH_TEXTURE MapSamp, int ring,
 }
 
 // Layers: gathers one more ring, if there is one between the gather so far and its end
-//   density       take as many samples as the ring of this number has
+//   density       number of the ring whose number of samples is taken
 //   end           pixels
 BokehGather BokehGatherTo(BokehGather before, BOKEH_TEXTURE MapSamp, int ring, int density,
     float end, BokehRingLayout rings, BokehPolygon polygon, BokehLayerContext layers BOKEH_SAMPLER)
@@ -1353,7 +1353,7 @@ float4 BokehComposite(BOKEH_TEXTURE MapSamp, BOKEH_TEXTURE GatherTilesSamp, BOKE
         float edges = max(tile.r, tile.g - 16.0);
         gather.snapping = 3.75 * clamp(edges / 5.0, 0.0, 1.0) + 100.0 * clamp((edges - 10.0) / 16.0,
             0.0, 1.0);
-        // where the ring of few samples begins that a wide gather ends with
+        // where the last ring of a wide gather begins, the one with few samples
         float lastInner = radius;
         if (rings > denseRings)
         {
@@ -1373,7 +1373,7 @@ float4 BokehComposite(BOKEH_TEXTURE MapSamp, BOKEH_TEXTURE GatherTilesSamp, BOKE
                 layers BOKEH_LINEAR);
             gather = BokehGatherTo(gather, MapSamp, 5, 5, lastInner, ringLayout, polygon,
                 layers BOKEH_LINEAR);
-            // the ring of few samples that a wide gather ends with
+            // the last ring of a wide gather, with few samples
             gather = BokehGatherTo(gather, MapSamp, BOKEH_LAYER_RINGS + 1, 1, radius, ringLayout,
                 polygon, layers BOKEH_LINEAR);
         }
@@ -1397,7 +1397,7 @@ float4 BokehComposite(BOKEH_TEXTURE MapSamp, BOKEH_TEXTURE GatherTilesSamp, BOKE
         }
 
         float4 farLayer = float4(0.0, 0.0, 0.0, 0.0);
-        if (tile.r > BOKEH_TUNED_NEAR_START || tile.g > BOKEH_TUNED_FAR_START)
+        if (max(tile.r - BOKEH_TUNED_NEAR_START, tile.g - BOKEH_TUNED_FAR_START) > 0.0)
         {
             if (BOKEH_SIDES == 0)
             {
@@ -1413,7 +1413,7 @@ float4 BokehComposite(BOKEH_TEXTURE MapSamp, BOKEH_TEXTURE GatherTilesSamp, BOKE
         if (behindNear > 0.0)
         {
             // Near pixels hide most of what a far polygon covers, so few far pixels stand for all
-            // of it. Up to a half, the fill stands for the rest.
+            // of it. Where the far layer covers less than half, the fill stands for the rest.
             float4 farFill = BokehFetchGrid(FarFillSamp, 0.25 * center, quarters BOKEH_LINEAR);
             float missing = clamp(1.0 - 2.0 * farLayer.a, 0.0, 1.0) * behindNear;
             farColor += (farFill.rgb - farColor) * missing;

@@ -42,9 +42,9 @@
 // [11] layers
 //
 //   name                    default    range   meaning
-//   BOKEH_LAYER_RINGS       2          1 .. 4  rings of the small gather at full size; it takes one
-//                                              more where no layer is in reach (with CUBIC 0, where
-//                                              layers are small), and where it reaches far
+//   BOKEH_LAYER_RINGS       2          1 .. 4  rings of the small gather at full size. It takes one
+//                                              more where no layer is in reach (with CUBIC 0, also
+//                                              where layers are small), and where it reaches far
 //   BOKEH_LAYER_SAMPLES     11         2 ..    most samples on an edge of a layer's hexagon; twice
 //                                              as many on a square's, fewer on shorter edges
 //   BOKEH_LAYER_CUBIC       1          0, 1    1: layers are enlarged by five fetches, not by one
@@ -1244,7 +1244,7 @@ fn BokehGatherRing(before: BokehGather, MapSamp: texture_2d<f32>, ring: i32, onE
 }
 
 // Layers: gathers one more ring, if there is one between the gather so far and its end
-//   density       take as many samples as the ring of this number has
+//   density       number of the ring whose number of samples is taken
 //   end           pixels
 fn BokehGatherTo(before: BokehGather, MapSamp: texture_2d<f32>, ring: i32, density: i32, end: f32,
     rings: BokehRingLayout, polygon: BokehPolygon, layers: BokehLayerContext,
@@ -1345,7 +1345,7 @@ fn BokehComposite(MapSamp: texture_2d<f32>, GatherTilesSamp: texture_2d<f32>,
         let edges: f32 = max(tile.r, tile.g - 16.0);
         gather.snapping = 3.75 * clamp(edges / 5.0, 0.0, 1.0) + 100.0 * clamp((edges - 10.0) / 16.0,
             0.0, 1.0);
-        // where the ring of few samples begins that a wide gather ends with
+        // where the last ring of a wide gather begins, the one with few samples
         var lastInner: f32 = radius;
         if (rings > denseRings)
         {
@@ -1365,7 +1365,7 @@ fn BokehComposite(MapSamp: texture_2d<f32>, GatherTilesSamp: texture_2d<f32>,
                 layers, BokehLinearClamp);
             gather = BokehGatherTo(gather, MapSamp, 5, 5, lastInner, ringLayout, polygon,
                 layers, BokehLinearClamp);
-            // the ring of few samples that a wide gather ends with
+            // the last ring of a wide gather, with few samples
             gather = BokehGatherTo(gather, MapSamp, BOKEH_LAYER_RINGS + 1, 1, radius, ringLayout,
                 polygon, layers, BokehLinearClamp);
         }
@@ -1389,7 +1389,7 @@ fn BokehComposite(MapSamp: texture_2d<f32>, GatherTilesSamp: texture_2d<f32>,
         }
 
         var farLayer: vec4f = vec4f(0.0, 0.0, 0.0, 0.0);
-        if (tile.r > BOKEH_TUNED_NEAR_START || tile.g > BOKEH_TUNED_FAR_START)
+        if (max(tile.r - BOKEH_TUNED_NEAR_START, tile.g - BOKEH_TUNED_FAR_START) > 0.0)
         {
             if (BOKEH_SIDES == 0)
             {
@@ -1405,7 +1405,7 @@ fn BokehComposite(MapSamp: texture_2d<f32>, GatherTilesSamp: texture_2d<f32>,
         if (behindNear > 0.0)
         {
             // Near pixels hide most of what a far polygon covers, so few far pixels stand for all
-            // of it. Up to a half, the fill stands for the rest.
+            // of it. Where the far layer covers less than half, the fill stands for the rest.
             let farFill: vec4f = BokehFetchGrid(FarFillSamp, 0.25 * center, quarters,
                 BokehLinearClamp);
             let missing: f32 = clamp(1.0 - 2.0 * farLayer.a, 0.0, 1.0) * behindNear;

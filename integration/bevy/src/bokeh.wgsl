@@ -1740,7 +1740,7 @@ polygon), outer, polygon, layers, BokehLinearClamp);
 }
 }
 var farLayer: vec4f = vec4f(0.0, 0.0, 0.0, 0.0);
-if (tile.r > BOKEH_TUNED_NEAR_START || tile.g > BOKEH_TUNED_FAR_START)
+if (max(tile.r - BOKEH_TUNED_NEAR_START, tile.g - BOKEH_TUNED_FAR_START) > 0.0)
 {
 if (BOKEH_SIDES == 0)
 {

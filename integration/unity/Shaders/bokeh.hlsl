@@ -86,8 +86,8 @@
 //   BOKEH_SIDES              0         0, 4 .. number of sides, instead of BokehSides: `layered` is
 //                                              faster if compilers know it; 0: any number
 //   BOKEH_DEPTH_MULTISAMPLED 0         0, 1    1: depth is multisampled; its first sample is read
-//   BOKEH_MAX_COLOR          65504.0           limit of brighter colours: the largest half float; a
-//                                              lower limit removes fireflies
+//   BOKEH_MAX_COLOR          65504.0           brighter colours are limited to this, the largest
+//                                              half float; a lower limit removes fireflies
 //
 //   Presets: define one before this file; in WGSL set both constants. `fetches` are those of colour
 //   and depth per pixel, in the three passes of an exact hexagon; a pixel beside a light takes one
@@ -276,8 +276,8 @@ static float4 BokehViewportBounds = float4(0.0, 0.0, 1.0, 1.0);
 // Porting: tells the library that the image fills only a part of its textures; call it first
 //   For dynamic resolution and split screen. Texels around the image are never read, so they may
 //   hold anything. The bounds lie 1/128 texel inside the centres of the outermost texels: filtering
-//   also reads texels of zero weight, 0 times NaN is NaN, and devices place a sample to 1/256
-//   texel.
+//   also reads texels of zero weight, 0 times NaN is NaN, and devices place a sample only to within
+//   1/256 texel.
 //   viewport      x, y of its first pixel, width, height; pixels, at least 2 x 2
 //   textureSize   width and height of the textures, pixels
 void BokehSetViewport(float4 viewport, float2 textureSize)
@@ -314,8 +314,8 @@ float4 BokehFetch(BOKEH_TEXTURE tex, float2 uv BOKEH_SAMPLER)
 
 // Listing 1: describes the lens and the sensor (section 4.1); metres unless it says otherwise
 //   apertureDiameter  A, the focal length f / the f-stop
-//   focusDistance  S1, more than f; no lens can focus nearer, and then everything but S1 gets
-//                 maxCoC
+//   focusDistance  S1, more than f, because no lens can focus nearer; with a smaller S1, everything
+//                 but S1 gets maxCoC
 //   sensorHeight  height of the sensor or film
 //   maxCoC        largest CoC allowed, fraction of the image height
 struct BokehLens
@@ -361,8 +361,8 @@ float BokehSignedCoC(float depth, BokehLens lens)
 }
 
 // Listing 1: limits a value to minimum .. maximum, and replaces NaN by the minimum
-//   NaN fails the comparison below, while max() may return either operand. fxc for shader model 3
-//   turns > into the opposite comparison, which NaN passes, so it has to be >=.
+//   NaN fails the comparison below; max() could return either operand. The comparison has to be
+//   >=, since fxc for shader model 3 would turn > into its opposite, which NaN passes.
 float BokehSanitize(float value, float minimum, float maximum)
 {
     float safe = minimum;
@@ -374,12 +374,12 @@ float BokehSanitize(float value, float minimum, float maximum)
 }
 
 // Listing 1: converts a value of the engine's depth buffer to metres along the view axis
-//   kind          0 metres (planar, not the length of the ray) 1 window depth, 0 (near) .. 1 (far),
-//                 as depth textures have it 2 reversed: 1 (near) .. 0 (far) 3 reversed without a
-//                 far plane: 1 (near) .. 0 (infinite) 4 clip space, -1 (near) .. 1 (far): z / w in
-//                 OpenGL 5 window depth of an orthographic camera; 6 that reversed 7 a fraction of
-//                 the far plane, as in Listing 1 8 logarithmic: log(1 + metres) / log(1 + far)
-//                 (three.js's WebGLRenderer)
+//   kind          0: metres (planar, not the length of the ray); 1: window depth, 0 (near) .. 1
+//                 (far), as depth textures have it; 2: reversed, 1 (near) .. 0 (far); 3: reversed
+//                 without a far plane, 1 (near) .. 0 (infinite); 4: clip space, z / w in OpenGL,
+//                 -1 (near) .. 1 (far); 5: window depth of an orthographic camera; 6: the same
+//                 reversed; 7: a fraction of the far plane, as in Listing 1; 8: logarithmic,
+//                 log(1 + metres) / log(1 + far) (three.js's WebGLRenderer)
 //   nearPlane, farPlane  planes of the camera, metres; 0 < near < far in kinds 1 to 4
 //   returns       finite and > 0; the sky is at the far plane, or at BOKEH_MAX_DEPTH in kind 3, and
 //                 in kind 1 if near is below far / 2^24
@@ -471,11 +471,10 @@ float3 BokehBrighter(float3 brightest, float4 color, float2 direction)
 //      . # O O
 //
 //   color         of this pixel
-//   right, left, below, above  colours of the neighbours; below is the next row in memory; outside
-//                 the image pass this pixel again
-//   returns       xy = direction of the light, pixels; zw = weights for BokehLightCoC. z, of a dark
-//                 pixel, ramps from 0 to 1 while the light is 4 to 8 times as bright; w, of a rim,
-//                 while the rim is 1.3 to 1.5 times as bright as its darkest neighbour.
+//   right, left, below, above  colours of the neighbours; below is the next row in memory; for a
+//                 neighbour outside the image, give the colour of this pixel
+//   returns       xy = direction of the light, pixels; zw = weights for BokehLightCoC: z for a dark
+//                 pixel, w for a rim
 float4 BokehLightBeside(float4 color, float4 right, float4 left, float4 below, float4 above)
 {
     float brightness = max(BokehBrightness(color), 0.0000001);
@@ -516,8 +515,9 @@ float4 BokehBrightNeighbor(BOKEH_TEXTURE ColorSamp, float2 uv, float2 imageSize)
 //   camera
 //   A dark pixel and a light keep their own CoC if one of them is in focus, so that nothing sharp
 //   gets blurred and nothing blurred gets sharp. A rim takes that of an object in focus, because it
-//   shows that object's colour. Both fade in while a CoC grows from one pixel to two; between a
-//   pixel behind the focus and a light in front of it, they switch.
+//   shows that object's colour. The change fades in while a CoC grows from one pixel to two: the
+//   smaller of both CoC for a dark pixel, the own CoC for a rim. From a pixel behind the focus to a
+//   light in front of it, there is no mixture: the CoC switches.
 //   CoC, lightCoC  signed, fractions of the image height
 //   weights       zw of BokehLightBeside or BokehBrightNeighbor
 //   imageHeight   pixels
@@ -641,9 +641,9 @@ float BokehSampleCount(float lengthInPixels, float spacing)
 //   This is the test of Listing 3 (section 2.1) with its weight squared. Behind the focus, a
 //   sharper sample is a nearer one. In front of the focus centerCoC is below 0, and every sample
 //   passes. The test fades in around the bias, because a step would make outlines pop. The weight
-//   is squared because a sample that the second pass rejects also displaces what its own line had
-//   gathered. The bias is at least 0.001, or the rounding of half floats would reject samples of
-//   the pixel's own surface.
+//   is squared because each sample of the second pass stands for a whole line of the first pass.
+//   The bias is at least 0.001, or the rounding of half floats would reject samples of the pixel's
+//   own surface.
 //   sampleCoC, centerCoC  signed, fractions of the image height
 float BokehSignedLeakageWeight(float sampleCoC, float centerCoC, BokehSamplingSettings settings)
 {
@@ -825,9 +825,10 @@ float BokehEdgeArea(int k, BokehPolygon polygon)
 
 // Exact: returns the line along which edge k of a hexagon is blurred, a ray from the pixel
 //   The three parallelograms of a hexagon share a corner in its centre. Drawn from there, all lines
-//   start at the pixel, and a light lies on the same ray whatever its CoC is, so BokehRayWeight
-//   only compares a distance. If a cat's eye cuts the hexagon or its edges differ in length, the
-//   shared corner is not the centre, and the second pass shifts the image by the difference.
+//   start at the pixel, and a light lies on the same ray whatever its CoC is. So the weight of a
+//   sample follows from its distance and its CoC. If a cat's eye cuts the hexagon or its edges
+//   differ in length, the shared corner is not the centre, and the second pass shifts the image by
+//   the difference.
 //
 //          ,-' '-,      the three parallelograms, and the corner o that they share
 //         |'-, ,-'|
@@ -854,10 +855,10 @@ float4 BokehRay(int k, BokehPolygon polygon, bool secondPass)
 
 // Exact: returns the weight of a sample on a ray in front of the focus: does its blur reach this
 //   pixel?
-//   Every sample does. One that is sharp or behind the focus has half the weight, or more if it is
-//   blurred by more than half of this pixel's CoC, so that a near light is as dense on its own
-//   pixels as beside them. The half fades in over an eighth of this pixel's CoC, because a step
-//   would show while the focus is pulled.
+//   The blur of every sample does. A sample that is sharp or behind the focus has a lower weight:
+//   -ratio, but at least a half, so that a near light is as dense on its own pixels as beside them.
+//   The lower weight fades in over an eighth of this pixel's CoC, because a step would show while
+//   the focus is pulled.
 //   ratio         the sample's CoC / this pixel's; negative on the other side of the focus
 float BokehNearRayWeight(float ratio)
 {
@@ -894,8 +895,8 @@ struct BokehLine
 //   The sum is not divided by its weights here. A line that lies on a sharp object, and is
 //   therefore almost completely rejected, would come back at full strength (docs/methods/exact.md).
 //   On a ray the density can make the weights add up to more than one per sample. Dividing by them
-//   would darken the light. Instead the surface of this pixel, which the light covers, gives up the
-//   excess: its colour is taken for that of this pixel, or for the mean if that is darker.
+//   would darken the light. Instead the excess is subtracted, in the colour of the surface that the
+//   light covers: the colour of this pixel, or the mean of all samples if that is darker.
 //   rays          true: the lines are those of BokehRay, false: those of BokehEdgeLine
 //   centerPixel   colour and signed CoC of this pixel, in the map or in strip 2
 BokehLine BokehLineSum(BOKEH_TEXTURE tex, float2 uv, int k, BokehPolygon polygon, bool secondPass,
@@ -972,10 +973,10 @@ BokehLine BokehLineSum(BOKEH_TEXTURE tex, float2 uv, int k, BokehPolygon polygon
 // Exact: computes strip k of the first pass from the lines along edges 1 to k - 1
 //   The lines are weighted by the areas of their parallelograms and divided once, by the sum of all
 //   weights. The second pass spreads the result by the CoC in alpha. If, behind the focus, most of
-//   the light came from a nearer pixel with a smaller CoC, it needs that pixel's CoC: the fraction
-//   of the brightness that remains without the density is the ratio of the two. Elsewhere it is the
-//   CoC of this pixel; the factor 1.001 keeps rounding from changing it where all pixels have the
-//   same CoC.
+//   the light came from a nearer pixel with a smaller CoC, alpha has to be that pixel's CoC: this
+//   pixel's, times the fraction of the brightness that remains without the density. Elsewhere alpha
+//   is the CoC of this pixel; the factor 1.001 keeps rounding from changing it where all pixels
+//   have the same CoC.
 //   returns       rgb = colour, a = signed CoC
 float4 BokehExactTarget(int k, BokehPolygon polygon, bool rays, BokehLine L1, BokehLine L2,
     BokehLine L3, BokehLine L4, float4 centerPixel)

@@ -31,7 +31,7 @@
 //   BokehNaiveGrid_PS           ColorSamp, DepthSamp              gather, over a grid
 //
 //   With bokeh_lens. BOKEH_LENS_SHAPE 1 also gives apertures curved blades and a cat's eye:
-//   BokehStableMap_PS           ColorSamp (map), ColorSampB .. C  steady; B: history, C: velocity
+//   BokehStableMap_PS           ColorSamp (map), ColorSampB .. C  steadier; B: history, C: velocity
 //   BokehLateralColor_PS        ColorSamp (finished)              lateral colour
 //
 //   With bokeh_layers: the table of that file lists what each pass reads, in the order of the

@@ -218,13 +218,18 @@ VALUES = {
     **{"BokehFetchTexel(BokehColorSamp, vec2(1.0, 1.0)).r": 15.0, "BokehAnyAperture(end).sides": 10.0},
     **{"square.lengths.x": 0.001, "uncut.lengths.x": float(np.sin(np.pi / 2000.0))},
     # far layers read the quarter layer from a spacing of 1.15 on
-    **{"wide.spacing": 15.0 / SAMPLES, "wide.sideTap": 0.0, "wideSquare.sideTap": 0.25 * 0.354 * 75.0 / SAMPLES - 0.2},
+    **{"wide.useQuarterLayer": 1.0, "wide.spacing": 15.0 / SAMPLES, "wide.sideTap": 0.0},
+    # what the layer's size and the quarter size blur already: at most 22, and 14
+    "wide.CoC": float(np.sqrt(30.0**2 - 22.0 - 14.0)),
+    "wideSquare.sideTap": 0.25 * 0.354 * 75.0 / SAMPLES - 0.2,
     "curved.area": float(np.sin(np.pi / 8.0) + np.sin(np.pi * 3.0 / 8.0)) / 2.0,
 }
 # an image of one texel has no room for the inset
 IN_A_PART = {
     # 8 pixels high: the light is in front of the focus and the pixel behind it, so its CoC is taken from 1.5 pixels on
     MAP.format("vec2(0.5, 0.0625)", "vec2(1.0, 8.0)", 2): LIGHT_COC if 8.0 * OWN_COC >= 1.5 else OWN_COC,
+    # taller, the light's CoC is taken completely; its depth lies in the next row
+    MAP.format("vec2(0.5, 0.1)", "vec2(1.0, 16.0)", 2): LIGHT_COC,
     "layers.origin.x": 0.0,
     "BokehViewportBounds.x": 0.03125,
     "BokehGridCoords(vec2(0.25, 0.25), BokehFullGrid(BokehMakeLayerContext(end, vec2(1.0, 1.0), 0.25))).y": 0.5,

@@ -158,6 +158,20 @@ def mutants() -> Iterator[Mutant]:
                 argued = equivalents().get((name, change), "")
                 yield Mutant(f"{name}-{kind}-{uses[kind]}", kind, name, change, texts, common=common, argued=argued)
 
+    yield from tuned()
+
+
+def tuned() -> Iterator[Mutant]:
+    """Yield one mutant of every tuned constant: twice its value. Its place is the first function that reads it."""
+    for key in FILES:
+        original = originals()[key]
+        for match in re.finditer(r"^#define (BOKEH_TUNED_\w+) (\S+)$", original, re.MULTILINE):
+            users = [name for _, name, text, start, end in bodies() if re.search(rf"\b{match[1]}\b", text[start:end])]
+            change = f"#define {match[1]} {2.0 * float(match[2])!r}"
+            texts = {key: original[: match.start()] + change + original[match.end() :]}
+            argued = equivalents().get((users[0], change), "")
+            yield Mutant(f"{match[1]}-constant", "constant", users[0], change, texts, argued=argued)
+
 
 def _edits(kind: str, statement: str, types: Types) -> Iterator[str]:
     """Yield each variant of a statement that an operator produces."""

@@ -127,5 +127,8 @@ def _draws(judge: Judge, mutant: Mutant) -> bool:
     if mutant.frames:
         return judge.label in mutant.frames
     entry, constants = judge.frame.main or f"{judge.item.entry}_PS", frozenset(judge.item.constants.items())
-    original, mutated = (calls.program(together(texts, "glsl"), entry, constants) for texts in ({}, mutant.texts))
-    return original != mutated
+    original, mutated = (together(texts, "glsl") for texts in ({}, mutant.texts))
+    code = calls.program(original, entry, constants)
+    return code != calls.program(mutated, entry, constants) or (
+        calls.declared(original, code) != calls.declared(mutated, code)
+    )
