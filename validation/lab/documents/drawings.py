@@ -12,8 +12,7 @@ from bokeh_validation import locks, paths, pictures, shaders, truth
 from bokeh_validation.drivers.base import Driver
 from bokeh_validation.truth import ray_traced
 from lab import other_effects
-from lab.documents import chart, figures, frame_graph, gallery
-from lab.documents.likeness import likeness
+from lab.documents import chart, figures, frame_graph, gallery, likeness
 from lab.other_effects.effects import EFFECTS
 from lab.rasterised import motion, random_score
 
@@ -116,11 +115,8 @@ DRAWINGS = (
     Drawing(("lights_apart",), gallery.apart, ALL),
     Drawing(("character_cats_eye",), cats_eye, ALL, (MARKET.source,)),
     *(
-        Drawing(
-            (f"likeness_{scene.name}_detail", *([f"likeness_{scene.name}"] if scene is MARKET else [])),
-            partial(likeness, scene=scene), ALL, files_of(scene),
-        )
-        for scene in ray_traced.SCENES
+        Drawing(tuple(likeness.names(scene)), partial(likeness.likeness, scene=scene), ALL, files_of(scene))
+        for scene in (*ray_traced.SCENES, ray_traced.WINTER)
     ),
     Drawing(("random_worst",), worst, LAYERED),
     Drawing(("motion_pan",), pan, LAYERED),

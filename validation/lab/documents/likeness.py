@@ -18,11 +18,19 @@ CAPTIONS = {
 }
 # scene, without the factor of its lens -> left and top of its detail; width, height
 PLACES, DETAIL_SIZE = {"market_7": (600, 220), "street_11": (225, 150), "canopy_12": (100, 100)}, (240, 160)
+# Scenes that are drawn as a whole, at half size
+WHOLE = (ray_traced.MARKET, ray_traced.WINTER)
+
+
+def names(scene: ray_traced.SceneFile) -> list[str]:
+    """Return the file names of a scene's pictures: as a whole, and a detail of those that methods are measured on."""
+    detail = [f"likeness_{scene.name}_detail"] if scene in ray_traced.SCENES else []
+    return detail + ([f"likeness_{scene.name}"] if scene in WHOLE else [])
 
 
 def likeness(driver: Driver, scene: ray_traced.SceneFile) -> dict[str, np.ndarray]:
-    """Draw a detail at twice its size, and market_7 at half size; returns file name -> 8-bit rgb."""
-    corner, exposed = PLACES[scene.name.removesuffix("x3")], {}
+    """Draw a detail at twice its size, and the scenes of WHOLE at half size; returns file name -> 8-bit rgb."""
+    exposed = {}
 
     def shown(label: str) -> np.ndarray:
         if label not in exposed:
@@ -36,9 +44,10 @@ def likeness(driver: Driver, scene: ray_traced.SceneFile) -> dict[str, np.ndarra
         return pictures.grid([panels[:2], panels[2:]])
 
     def enlarged(pixels: np.ndarray) -> np.ndarray:
+        corner = PLACES[scene.name.removesuffix("x3")]
         return pictures.enlarged(pictures.crop(pixels, *corner, *DETAIL_SIZE), 2)
 
-    images = {f"likeness_{scene.name}_detail": sheet("gather", enlarged)}
-    if scene is ray_traced.MARKET:
-        images[f"likeness_{scene.name}"] = sheet("paper", pictures.halved)
-    return images
+    return {
+        name: sheet("gather", enlarged) if name.endswith("detail") else sheet("paper", pictures.halved)
+        for name in names(scene)
+    }
