@@ -28,7 +28,7 @@ BLOCK = {
     "BokehAngle": Parameter(0.0, "radians", "of the polygon; paper: of the line"),
     "BokehAngleB": Parameter(0.0, "radians", "NaiveGrid: the other side"),
     "BokehBleedingBias": Parameter(
-        0.02, "height", "CoC difference let pass; 2: no leakage test; exact: not the hexagon"
+        0.02, "height", "CoC difference that passes the leakage test; 2 turns it off; no effect on a hexagon of exact"
     ),
     "BokehBleedingMult": Parameter(30.0, "1/height", "weight per CoC; exact: not the hexagon"),
     "BokehBlurCoC": Parameter(1.0, "", "paper: 1 averages the CoC with the colour"),
