@@ -25,7 +25,7 @@ def on_drivers():
             yield pytest.param(name, driver, marks=() if by_default else others, id=f"{name}-{driver}")
 
 
-@pytest.mark.parametrize(("name", "driver_name"), on_drivers())
+@pytest.mark.parametrize(("name", "driver_name"), list(on_drivers()))
 def test_probe(name, driver_name, request, hand_over):
     """Check that a probe is within the interval of the reference and shows what it must."""
     outcome = outcomes.of_probe(PROBES[name], driver_name, request.config.getoption("--adapter"))
