@@ -265,7 +265,8 @@ def choices() -> Iterator[str]:
         color, depth = (round(planned["fetches"][kind]) for kind in ("color", "depth"))
         count = f"{color} of colour, {depth} of depth" if depth > 1 else color + depth
         yield f"| {wish} | {method} | {len(planned['passes'])} | {count} |"
-    yield "| triangles, pentagons, stars | `paper`, [with passes for the shape](methods/polygons.md#shapes-and-methods) | 5 to 7 | |"
+    page = "methods/polygons.md#shapes-and-methods"
+    yield f"| triangles, pentagons, stars | `paper`, [with passes for the shape]({page}) | 5 to 7 | |"
     yield "| any other shape | `naive`, a table of offsets | 3 | |"
 
 
