@@ -30,8 +30,9 @@
 //              gl_Position = vec4(uv * 2.0 - 1.0, 0.0, 1.0);
 //          }
 //
-//   1. CoC map. ColorSamp: HDR colour. DepthSamp: the depth buffer, nearest filter; the 1 in the
-//      call selects standard depth: 0 at the near plane, 1 at the far plane. Target: RGBA16F.
+//   1. CoC map. ColorSamp: HDR colour. DepthSamp: the depth buffer, nearest filter. Target:
+//      RGBA16F. In the call, 1 means standard depth, which is 0 at the near plane and 1 at the far
+//      plane.
 //          uniform sampler2D ColorSamp, DepthSamp;
 //          uniform vec2 imageSize;
 //          uniform float nearPlane, farPlane;

@@ -28,8 +28,8 @@
 //              return Corner(vec4f(uv.x * 2.0 - 1.0, 1.0 - uv.y * 2.0, 0.0, 1.0), uv);
 //          }
 //
-//   1. CoC map. Color: HDR colour. Depth: the depth buffer. Target: rgba16float. The 1 in the call
-//      selects standard depth: 0 at the near plane, 1 at the far plane.
+//   1. CoC map. Color: HDR colour. Depth: the depth buffer. Target: rgba16float. In the call, 1
+//      means standard depth, which is 0 at the near plane and 1 at the far plane.
 //          struct Camera { imageSize: vec2f, nearPlane: f32, farPlane: f32,
 //              apertureDiameter: f32, focalLength: f32, focusDistance: f32 }
 //          @group(0) @binding(0) var<uniform> camera: Camera;

@@ -30,8 +30,8 @@
 //              position = float4(uv.x * 2.0 - 1.0, 1.0 - uv.y * 2.0, 0.0, 1.0);
 //          }
 //
-//   1. CoC map. Color: HDR colour. Depth: the depth buffer. Target: RGBA16F. The 1 in the call
-//      selects standard depth: 0 at the near plane, 1 at the far plane.
+//   1. CoC map. Color: HDR colour. Depth: the depth buffer. Target: RGBA16F. In the call, 1
+//      means standard depth, which is 0 at the near plane and 1 at the far plane.
 //          Texture2D Color : register(t0);
 //          Texture2D Depth : register(t1);
 //          float2 imageSize;
