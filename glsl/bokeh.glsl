@@ -30,9 +30,8 @@
 //              gl_Position = vec4(uv * 2.0 - 1.0, 0.0, 1.0);
 //          }
 //
-//   1. CoC map. ColorSamp: HDR colour. DepthSamp: the depth buffer, nearest filter. Target:
-//      RGBA16F. In the call, 1 means standard depth, which is 0 at the near plane and 1 at the far
-//      plane.
+//   1. CoC map. ColorSamp: HDR colour. DepthSamp: the depth buffer, nearest filter.
+//      Target: RGBA16F.
 //          uniform sampler2D ColorSamp, DepthSamp;
 //          uniform vec2 imageSize;
 //          uniform float nearPlane, farPlane;
@@ -43,7 +42,7 @@
 //          {
 //              map = BokehSignedCoCMap(ColorSamp, DepthSamp, uv, uv, imageSize,
 //                  BokehMakeLens(apertureDiameter, focalLength, focusDistance),
-//                  1, vec2(nearPlane, farPlane));
+//                  1, vec2(nearPlane, farPlane)); // 1: standard depth, not reversed
 //          }
 //
 //   2. First blur pass. MapSamp: the target of pass 1, linear filter, clamp. Targets: two RGBA16F.

@@ -29,8 +29,7 @@
 //              position = float4(uv.x * 2.0 - 1.0, 1.0 - uv.y * 2.0, 0.0, 1.0);
 //          }
 //
-//   1. CoC map. Color: HDR colour. Depth: the depth buffer. Target: RGBA16F. In the call, 1
-//      means standard depth, which is 0 at the near plane and 1 at the far plane.
+//   1. CoC map. Color: HDR colour. Depth: the depth buffer. Target: RGBA16F.
 //          Texture2D Color : register(t0);
 //          Texture2D Depth : register(t1);
 //          float2 imageSize;
@@ -40,7 +39,7 @@
 //          {
 //              return BokehSignedCoCMap(Color, Depth, uv, uv, imageSize,
 //                  BokehMakeLens(apertureDiameter, focalLength, focusDistance),
-//                  1, float2(nearPlane, farPlane));
+//                  1, float2(nearPlane, farPlane)); // 1: standard depth, not reversed
 //          }
 //
 //   2. First blur pass. Map: from 1. Linear: linear filter, clamp. Targets: two RGBA16F.

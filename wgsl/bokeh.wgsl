@@ -28,8 +28,7 @@
 //              return Corner(vec4f(uv.x * 2.0 - 1.0, 1.0 - uv.y * 2.0, 0.0, 1.0), uv);
 //          }
 //
-//   1. CoC map. Color: HDR colour. Depth: the depth buffer. Target: rgba16float. In the call, 1
-//      means standard depth, which is 0 at the near plane and 1 at the far plane.
+//   1. CoC map. Color: HDR colour. Depth: the depth buffer. Target: rgba16float.
 //          struct Camera { imageSize: vec2f, nearPlane: f32, farPlane: f32,
 //              apertureDiameter: f32, focalLength: f32, focusDistance: f32 }
 //          @group(0) @binding(0) var<uniform> camera: Camera;
@@ -39,7 +38,8 @@
 //          {
 //              return BokehSignedCoCMap(Color, Depth, uv, uv, camera.imageSize,
 //                  BokehMakeLens(camera.apertureDiameter, camera.focalLength,
-//                  camera.focusDistance), 1, vec2f(camera.nearPlane, camera.farPlane));
+//                  camera.focusDistance), 1, // standard depth, not reversed
+//                  vec2f(camera.nearPlane, camera.farPlane));
 //          }
 //
 //   2. First blur pass. Map: from 1. Linear: linear filter, clamp. Targets: two rgba16float.
