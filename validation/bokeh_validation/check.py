@@ -77,38 +77,42 @@ def _wrong(by_language: Mapping[str, Driver], texts: Mapping[str, Texts], glsl: 
     texts        language -> its text in the last commit, and now
     glsl         the GLSL of the last commit, which the reference runs
 
-    Each edited program is drawn once, in the first frame that uses it. Its result is compared with the GLSL of the
-    last commit, so that the same mistake in all three languages is noticed. A result that differs is also compared
-    with the current GLSL: an edit that changes pixels on purpose must change them in the same way in every language.
+    Each edited program is drawn in every frame that uses it, up to the first in which its result is not that of the
+    GLSL of the last commit: so the same mistake in all three languages is noticed, also where few frames show it.
+    A result that differs is also compared with the current GLSL: an edit that changes pixels on purpose must change
+    them in the same way in every language.
     """
-    drawn_programs = set()
+    differing = set()
     for label, frame in coverage_frames.all_frames().items():
         for language, driver in by_language.items() if not frame.main else ():
-            codes = [edited(texts[language], render_pass.entry, render_pass.constants) for render_pass in frame.passes]
-            keys = [(language, render_pass.entry, code) for render_pass, code in zip(frame.passes, codes, strict=True)]
-            undrawn = {key for key in keys if key[2]} - drawn_programs
-            drawn_programs |= undrawn
-            if undrawn:
-                yield from _differing(label, frame, driver, glsl, [key in undrawn for key in keys])
+            codes = [edited(texts[language], item.entry, item.constants) for item in frame.passes]
+            keys = [(language, item.entry, code) for item, code in zip(frame.passes, codes, strict=True)]
+            undecided = {key for key in keys if key[2]} - differing
+            if undecided:
+                objections = _objections(label, frame, driver, glsl, [key in undecided for key in keys])
+                differing |= {key for key, lines in zip(keys, objections, strict=True) if lines}
+                yield from sum(objections, [])
 
 
-def _differing(label: str, frame: Frame, driver: Driver, glsl: str, is_edited: Sequence[bool]) -> Iterator[str]:
-    """Yield what is wrong with the edited passes of a frame; `is_edited` has one bool per pass."""
-    device = driver.precision, driver.rounding
+def _objections(label: str, frame: Frame, driver: Driver, glsl: str, is_edited: Sequence[bool]) -> list[list[str]]:
+    """Return what is wrong with the edited passes of a frame, one list of lines per pass.
+
+    `is_edited` has one bool per pass.
+    """
+    device, lines = (driver.precision, driver.rounding), [[] for _ in frame.passes]
     try:
         old_judges = judges.judges(label, frame, *device, glsl)
     except KeyError:
         # the last commit lacks a function or parameter that this frame needs
         old_judges = [None] * len(frame.passes)
-    objections = [
-        judge.objection(driver) if judge and edited_here else ""
-        for judge, edited_here in zip(old_judges, is_edited, strict=True)
-    ]
-    yield from (f"{driver.name}, by the last commit: {objection}" for objection in objections if objection)
-    new_judges = judges.judges(label, frame, *device) if any(objections) or None in old_judges else []
-    for judge, edited_here, objection in zip(new_judges, is_edited, objections, strict=False):
-        if edited_here and (objection or None in old_judges) and (new_objection := judge.objection(driver)):
-            yield f"{driver.name}: {new_objection}"
+    for judge, edited_here, found in zip(old_judges, is_edited, lines, strict=True):
+        if judge and edited_here and (objection := judge.objection(driver)):
+            found.append(f"{driver.name}, by the last commit: {objection}")
+    new_judges = judges.judges(label, frame, *device) if any(lines) or None in old_judges else []
+    for old, new, edited_here, found in zip(old_judges, new_judges, is_edited, lines, strict=False):
+        if edited_here and (found or old is None) and (objection := new.objection(driver)):
+            found.append(f"{driver.name}: {objection}")
+    return lines
 
 
 def check() -> None:
