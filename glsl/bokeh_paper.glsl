@@ -41,7 +41,7 @@
 // Listing 1: returns the depth of this pixel in metres, with invalid values replaced
 float BokehPaperDepth(BOKEH_DEPTH_TEXTURE DepthSamp, vec2 uv)
 {
-    return BokehSanitize(BokehFetchDepth(DepthSamp, BokehToTexture(uv)), BOKEH_MIN_DEPTH,
+    return BokehSanitize(BokehFetchDepth(DepthSamp, BokehToTexture(uv)).x, BOKEH_MIN_DEPTH,
         BOKEH_MAX_DEPTH);
 }
 
@@ -163,7 +163,7 @@ vec4 BokehDepthOfField(BOKEH_TEXTURE ColorSamp, BOKEH_DEPTH_TEXTURE DepthSamp, v
         vec2 offset = BokehMakeOffsets(lineEnd, i, BOKEH_PAPER_SAMPLES);
         vec2 sampleCoords = uv + offset * centerPixel.a;
         vec4 samplePixel = BokehFetch(ColorSamp, sampleCoords);
-        float sampleDepth = BokehFetchDepth(DepthSamp, BokehToTexture(sampleCoords));
+        float sampleDepth = BokehFetchDepth(DepthSamp, BokehToTexture(sampleCoords)).x;
         float weight = BokehLeakageWeight(sampleDepth, samplePixel.a, centerDepth, centerPixel.a,
             settings);
         color += samplePixel * weight;
@@ -204,7 +204,7 @@ vec4 BokehDepthOfFieldAdaptive(BOKEH_TEXTURE ColorSamp, BOKEH_DEPTH_TEXTURE Dept
             float part = clamp(samples - float(i), 0.0, 1.0);
             vec2 sampleCoords = first + sampleStep * (float(i) + part * phase);
             vec4 samplePixel = BokehFetch(ColorSamp, sampleCoords);
-            float sampleDepth = BokehFetchDepth(DepthSamp, BokehToTexture(sampleCoords));
+            float sampleDepth = BokehFetchDepth(DepthSamp, BokehToTexture(sampleCoords)).x;
             float weight = part * BokehLeakageWeight(sampleDepth, samplePixel.a, centerDepth,
                 centerPixel.a, settings);
             color += samplePixel * weight;
@@ -266,7 +266,7 @@ vec4 BokehNaiveGather(BOKEH_TEXTURE ColorSamp, BOKEH_DEPTH_TEXTURE DepthSamp,
             float(BOKEH_PAPER_SAMPLES), 0.5)).rg;
         vec2 sampleCoords = uv + offset * scale;
         vec4 samplePixel = BokehFetch(ColorSamp, sampleCoords);
-        float sampleDepth = BokehFetchDepth(DepthSamp, BokehToTexture(sampleCoords));
+        float sampleDepth = BokehFetchDepth(DepthSamp, BokehToTexture(sampleCoords)).x;
         float weight = BokehLeakageWeight(sampleDepth, samplePixel.a, centerDepth, centerPixel.a,
             settings);
         color += samplePixel * weight;
@@ -295,7 +295,7 @@ vec4 BokehNaiveGrid(BOKEH_TEXTURE ColorSamp, BOKEH_DEPTH_TEXTURE DepthSamp, vec2
             vec2 offset = rowOffset + BokehMakeOffsets(lineEndU, i, BOKEH_PAPER_SAMPLES);
             vec2 sampleCoords = uv + offset * centerPixel.a;
             vec4 samplePixel = BokehFetch(ColorSamp, sampleCoords);
-            float sampleDepth = BokehFetchDepth(DepthSamp, BokehToTexture(sampleCoords));
+            float sampleDepth = BokehFetchDepth(DepthSamp, BokehToTexture(sampleCoords)).x;
             float weight = BokehLeakageWeight(sampleDepth, samplePixel.a, centerDepth,
                 centerPixel.a, settings);
             color += samplePixel * weight;

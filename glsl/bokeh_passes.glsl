@@ -381,7 +381,7 @@ float BokehPassCoC(float depth)
 // returns the depth of this pixel in metres
 float BokehPassDepth(vec2 depthUV)
 {
-    float stored = BokehFetchDepth(BokehDepthSamp, depthUV);
+    vec2 stored = BokehFetchDepth(BokehDepthSamp, depthUV);
     return BokehLinearDepth(stored, int(BokehDepthKind + 0.5), BokehNear, BokehFar);
 }
 

@@ -252,16 +252,17 @@ float4 BokehFetchTexel(BOKEH_TEXTURE tex, float2 coords)
 #endif
 }
 
-// Porting: fetches one texel of the engine's depth buffer; of a multisampled one the first sample
-float BokehFetchDepth(BOKEH_DEPTH_TEXTURE tex, float2 coords)
+// Porting: fetches red and green of one texel of the engine's depth buffer; of a multisampled one
+//   the first sample
+float2 BokehFetchDepth(BOKEH_DEPTH_TEXTURE tex, float2 coords)
 {
 #if BOKEH_DEPTH_MULTISAMPLED > 0
     int3 size;
     tex.GetDimensions(size.x, size.y, size.z);
     int2 texel = int2(saturate(coords) * float2(size.xy));
-    return tex.Load(min(texel, size.xy - int2(1, 1)), 0).r;
+    return tex.Load(min(texel, size.xy - int2(1, 1)), 0).rg;
 #else
-    return BokehFetchTexel(tex, coords).r;
+    return BokehFetchTexel(tex, coords).rg;
 #endif
 }
 
@@ -372,57 +373,70 @@ float BokehSanitize(float value, float minimum, float maximum)
 }
 
 // Listing 1: converts a value of the engine's depth buffer to metres along the view axis
+//   stored        red and green of the depth buffer; only kind 9 uses green
 //   kind          0: metres (planar, not the length of the ray); 1: window depth, 0 (near) .. 1
 //                 (far), as depth textures have it; 2: reversed, 1 (near) .. 0 (far); 3: reversed
 //                 without a far plane, 1 (near) .. 0 (infinite); 4: clip space, z / w in OpenGL,
 //                 -1 (near) .. 1 (far); 5: window depth of an orthographic camera; 6: the same
 //                 reversed; 7: a fraction of the far plane, as in Listing 1; 8: logarithmic,
-//                 log(1 + metres) / log(1 + far) (three.js's WebGLRenderer)
+//                 log(1 + metres) / log(1 + far) (three.js's WebGLRenderer); 9: weighted by
+//                 opacity, for transparent surfaces: metres times opacity in red, opacity in
+//                 green
 //   nearPlane, farPlane  planes of the camera, metres; 0 < near < far in kinds 1 to 4
 //   returns       finite and > 0; the sky is at the far plane, or at BOKEH_MAX_DEPTH in kind 3, and
-//                 in kind 1 if near is below far / 2^24
-float BokehLinearDepth(float stored, int kind, float nearPlane, float farPlane)
+//                 in kind 1 if near is below far / 2^24; in kind 9 what is less than half opaque
+//                 is the sky
+float BokehLinearDepth(float2 stored, int kind, float nearPlane, float farPlane)
 {
-    float depth = stored;
+    float value = stored.x;
+    float depth = value;
     if (kind == 1)
     {
-        depth = nearPlane * farPlane / (farPlane - stored * (farPlane - nearPlane));
+        depth = nearPlane * farPlane / (farPlane - value * (farPlane - nearPlane));
     }
     else if (kind == 2)
     {
-        depth = nearPlane * farPlane / (nearPlane + stored * (farPlane - nearPlane));
+        depth = nearPlane * farPlane / (nearPlane + value * (farPlane - nearPlane));
     }
     else if (kind == 3)
     {
         depth = BOKEH_MAX_DEPTH;
-        if (stored >= nearPlane / BOKEH_MAX_DEPTH)
+        if (value >= nearPlane / BOKEH_MAX_DEPTH)
         {
-            depth = nearPlane / stored;
+            depth = nearPlane / value;
         }
     }
     else if (kind == 4)
     {
-        depth = 2.0 * nearPlane * farPlane / (farPlane + nearPlane - stored * (farPlane -
+        depth = 2.0 * nearPlane * farPlane / (farPlane + nearPlane - value * (farPlane -
             nearPlane));
     }
     else if (kind == 5)
     {
-        depth = nearPlane + stored * (farPlane - nearPlane);
+        depth = nearPlane + value * (farPlane - nearPlane);
     }
     else if (kind == 6)
     {
-        depth = nearPlane + (1.0 - stored) * (farPlane - nearPlane);
+        depth = nearPlane + (1.0 - value) * (farPlane - nearPlane);
     }
     else if (kind == 7)
     {
-        depth = stored * farPlane;
+        depth = value * farPlane;
     }
     else if (kind == 8)
     {
         depth = 0.0;
-        if (stored >= 0.0)
+        if (value >= 0.0)
         {
-            depth = exp2(stored * log2(farPlane + 1.0)) - 1.0;
+            depth = exp2(value * log2(farPlane + 1.0)) - 1.0;
+        }
+    }
+    else if (kind == 9)
+    {
+        depth = BOKEH_MAX_DEPTH;
+        if (stored.y >= 0.5)
+        {
+            depth = value / stored.y;
         }
     }
     return BokehSanitize(depth, BOKEH_MIN_DEPTH, BOKEH_MAX_DEPTH);

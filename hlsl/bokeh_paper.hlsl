@@ -42,7 +42,7 @@
 // Listing 1: returns the depth of this pixel in metres, with invalid values replaced
 float BokehPaperDepth(BOKEH_DEPTH_TEXTURE DepthSamp, float2 uv)
 {
-    return BokehSanitize(BokehFetchDepth(DepthSamp, BokehToTexture(uv)), BOKEH_MIN_DEPTH,
+    return BokehSanitize(BokehFetchDepth(DepthSamp, BokehToTexture(uv)).x, BOKEH_MIN_DEPTH,
         BOKEH_MAX_DEPTH);
 }
 
@@ -165,7 +165,7 @@ float4 BokehDepthOfField(BOKEH_TEXTURE ColorSamp, BOKEH_DEPTH_TEXTURE DepthSamp,
         float2 offset = BokehMakeOffsets(lineEnd, i, BOKEH_PAPER_SAMPLES);
         float2 sampleCoords = uv + offset * centerPixel.a;
         float4 samplePixel = BokehFetch(ColorSamp, sampleCoords BOKEH_LINEAR);
-        float sampleDepth = BokehFetchDepth(DepthSamp, BokehToTexture(sampleCoords));
+        float sampleDepth = BokehFetchDepth(DepthSamp, BokehToTexture(sampleCoords)).x;
         float weight = BokehLeakageWeight(sampleDepth, samplePixel.a, centerDepth, centerPixel.a,
             settings);
         color += samplePixel * weight;
@@ -206,7 +206,7 @@ float4 BokehDepthOfFieldAdaptive(BOKEH_TEXTURE ColorSamp, BOKEH_DEPTH_TEXTURE De
             float part = clamp(samples - float(i), 0.0, 1.0);
             float2 sampleCoords = first + sampleStep * (float(i) + part * phase);
             float4 samplePixel = BokehFetch(ColorSamp, sampleCoords BOKEH_LINEAR);
-            float sampleDepth = BokehFetchDepth(DepthSamp, BokehToTexture(sampleCoords));
+            float sampleDepth = BokehFetchDepth(DepthSamp, BokehToTexture(sampleCoords)).x;
             float weight = part * BokehLeakageWeight(sampleDepth, samplePixel.a, centerDepth,
                 centerPixel.a, settings);
             color += samplePixel * weight;
@@ -269,7 +269,7 @@ float4 BokehNaiveGather(BOKEH_TEXTURE ColorSamp, BOKEH_DEPTH_TEXTURE DepthSamp,
             float(BOKEH_PAPER_SAMPLES), 0.5)).rg;
         float2 sampleCoords = uv + offset * scale;
         float4 samplePixel = BokehFetch(ColorSamp, sampleCoords BOKEH_LINEAR);
-        float sampleDepth = BokehFetchDepth(DepthSamp, BokehToTexture(sampleCoords));
+        float sampleDepth = BokehFetchDepth(DepthSamp, BokehToTexture(sampleCoords)).x;
         float weight = BokehLeakageWeight(sampleDepth, samplePixel.a, centerDepth, centerPixel.a,
             settings);
         color += samplePixel * weight;
@@ -298,7 +298,7 @@ float4 BokehNaiveGrid(BOKEH_TEXTURE ColorSamp, BOKEH_DEPTH_TEXTURE DepthSamp, fl
             float2 offset = rowOffset + BokehMakeOffsets(lineEndU, i, BOKEH_PAPER_SAMPLES);
             float2 sampleCoords = uv + offset * centerPixel.a;
             float4 samplePixel = BokehFetch(ColorSamp, sampleCoords BOKEH_LINEAR);
-            float sampleDepth = BokehFetchDepth(DepthSamp, BokehToTexture(sampleCoords));
+            float sampleDepth = BokehFetchDepth(DepthSamp, BokehToTexture(sampleCoords)).x;
             float weight = BokehLeakageWeight(sampleDepth, samplePixel.a, centerDepth,
                 centerPixel.a, settings);
             color += samplePixel * weight;

@@ -154,12 +154,13 @@ fn BokehFetchTexel(tex: texture_2d<f32>, coords: vec2f) -> vec4f
     return textureLoad(tex, min(texel, size - vec2i(1, 1)), 0);
 }
 
-// Porting: fetches one texel of the engine's depth buffer; of a multisampled one the first sample
-fn BokehFetchDepth(tex: BokehDepthTexture, coords: vec2f) -> f32
+// Porting: fetches red and green of one texel of the engine's depth buffer; of a multisampled one
+//   the first sample
+fn BokehFetchDepth(tex: BokehDepthTexture, coords: vec2f) -> vec2f
 {
     let size: vec2i = vec2i(textureDimensions(tex));
     let texel: vec2i = vec2i(saturate(coords) * vec2f(size));
-    return vec4f(textureLoad(tex, min(texel, size - vec2i(1, 1)), 0)).r;
+    return vec4f(textureLoad(tex, min(texel, size - vec2i(1, 1)), 0)).rg;
 }
 
 // where the image lies in its textures, in texture uv: corner and size; the bounds of fetches
@@ -267,57 +268,70 @@ fn BokehSanitize(value: f32, minimum: f32, maximum: f32) -> f32
 }
 
 // Listing 1: converts a value of the engine's depth buffer to metres along the view axis
+//   stored        red and green of the depth buffer; only kind 9 uses green
 //   kind          0: metres (planar, not the length of the ray); 1: window depth, 0 (near) .. 1
 //                 (far), as depth textures have it; 2: reversed, 1 (near) .. 0 (far); 3: reversed
 //                 without a far plane, 1 (near) .. 0 (infinite); 4: clip space, z / w in OpenGL,
 //                 -1 (near) .. 1 (far); 5: window depth of an orthographic camera; 6: the same
 //                 reversed; 7: a fraction of the far plane, as in Listing 1; 8: logarithmic,
-//                 log(1 + metres) / log(1 + far) (three.js's WebGLRenderer)
+//                 log(1 + metres) / log(1 + far) (three.js's WebGLRenderer); 9: weighted by
+//                 opacity, for transparent surfaces: metres times opacity in red, opacity in
+//                 green
 //   nearPlane, farPlane  planes of the camera, metres; 0 < near < far in kinds 1 to 4
 //   returns       finite and > 0; the sky is at the far plane, or at BOKEH_MAX_DEPTH in kind 3, and
-//                 in kind 1 if near is below far / 2^24
-fn BokehLinearDepth(stored: f32, kind: i32, nearPlane: f32, farPlane: f32) -> f32
+//                 in kind 1 if near is below far / 2^24; in kind 9 what is less than half opaque
+//                 is the sky
+fn BokehLinearDepth(stored: vec2f, kind: i32, nearPlane: f32, farPlane: f32) -> f32
 {
-    var depth: f32 = stored;
+    let value: f32 = stored.x;
+    var depth: f32 = value;
     if (kind == 1)
     {
-        depth = nearPlane * farPlane / (farPlane - stored * (farPlane - nearPlane));
+        depth = nearPlane * farPlane / (farPlane - value * (farPlane - nearPlane));
     }
     else if (kind == 2)
     {
-        depth = nearPlane * farPlane / (nearPlane + stored * (farPlane - nearPlane));
+        depth = nearPlane * farPlane / (nearPlane + value * (farPlane - nearPlane));
     }
     else if (kind == 3)
     {
         depth = BOKEH_MAX_DEPTH;
-        if (stored >= nearPlane / BOKEH_MAX_DEPTH)
+        if (value >= nearPlane / BOKEH_MAX_DEPTH)
         {
-            depth = nearPlane / stored;
+            depth = nearPlane / value;
         }
     }
     else if (kind == 4)
     {
-        depth = 2.0 * nearPlane * farPlane / (farPlane + nearPlane - stored * (farPlane -
+        depth = 2.0 * nearPlane * farPlane / (farPlane + nearPlane - value * (farPlane -
             nearPlane));
     }
     else if (kind == 5)
     {
-        depth = nearPlane + stored * (farPlane - nearPlane);
+        depth = nearPlane + value * (farPlane - nearPlane);
     }
     else if (kind == 6)
     {
-        depth = nearPlane + (1.0 - stored) * (farPlane - nearPlane);
+        depth = nearPlane + (1.0 - value) * (farPlane - nearPlane);
     }
     else if (kind == 7)
     {
-        depth = stored * farPlane;
+        depth = value * farPlane;
     }
     else if (kind == 8)
     {
         depth = 0.0;
-        if (stored >= 0.0)
+        if (value >= 0.0)
         {
-            depth = exp2(stored * log2(farPlane + 1.0)) - 1.0;
+            depth = exp2(value * log2(farPlane + 1.0)) - 1.0;
+        }
+    }
+    else if (kind == 9)
+    {
+        depth = BOKEH_MAX_DEPTH;
+        if (stored.y >= 0.5)
+        {
+            depth = value / stored.y;
         }
     }
     return BokehSanitize(depth, BOKEH_MIN_DEPTH, BOKEH_MAX_DEPTH);

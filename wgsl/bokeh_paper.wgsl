@@ -31,7 +31,7 @@ override BOKEH_PAPER_SAMPLES: i32 = 13;
 // Listing 1: returns the depth of this pixel in metres, with invalid values replaced
 fn BokehPaperDepth(DepthSamp: BokehDepthTexture, uv: vec2f) -> f32
 {
-    return BokehSanitize(BokehFetchDepth(DepthSamp, BokehToTexture(uv)), BOKEH_MIN_DEPTH,
+    return BokehSanitize(BokehFetchDepth(DepthSamp, BokehToTexture(uv)).x, BOKEH_MIN_DEPTH,
         BOKEH_MAX_DEPTH);
 }
 
@@ -155,7 +155,7 @@ fn BokehDepthOfField(ColorSamp: texture_2d<f32>, DepthSamp: BokehDepthTexture, u
         let offset: vec2f = BokehMakeOffsets(lineEnd, i, BOKEH_PAPER_SAMPLES);
         let sampleCoords: vec2f = uv + offset * centerPixel.a;
         let samplePixel: vec4f = BokehFetch(ColorSamp, sampleCoords, BokehLinearClamp);
-        let sampleDepth: f32 = BokehFetchDepth(DepthSamp, BokehToTexture(sampleCoords));
+        let sampleDepth: f32 = BokehFetchDepth(DepthSamp, BokehToTexture(sampleCoords)).x;
         let weight: f32 = BokehLeakageWeight(sampleDepth, samplePixel.a, centerDepth, centerPixel.a,
             settings);
         color += samplePixel * weight;
@@ -197,7 +197,7 @@ fn BokehDepthOfFieldAdaptive(ColorSamp: texture_2d<f32>, DepthSamp: BokehDepthTe
             let part: f32 = clamp(samples - f32(i), 0.0, 1.0);
             let sampleCoords: vec2f = first + sampleStep * (f32(i) + part * phase);
             let samplePixel: vec4f = BokehFetch(ColorSamp, sampleCoords, BokehLinearClamp);
-            let sampleDepth: f32 = BokehFetchDepth(DepthSamp, BokehToTexture(sampleCoords));
+            let sampleDepth: f32 = BokehFetchDepth(DepthSamp, BokehToTexture(sampleCoords)).x;
             let weight: f32 = part * BokehLeakageWeight(sampleDepth, samplePixel.a, centerDepth,
                 centerPixel.a, settings);
             color += samplePixel * weight;
@@ -261,7 +261,7 @@ fn BokehNaiveGather(ColorSamp: texture_2d<f32>, DepthSamp: BokehDepthTexture,
             f32(BOKEH_PAPER_SAMPLES), 0.5)).rg;
         let sampleCoords: vec2f = uv + offset * scale;
         let samplePixel: vec4f = BokehFetch(ColorSamp, sampleCoords, BokehLinearClamp);
-        let sampleDepth: f32 = BokehFetchDepth(DepthSamp, BokehToTexture(sampleCoords));
+        let sampleDepth: f32 = BokehFetchDepth(DepthSamp, BokehToTexture(sampleCoords)).x;
         let weight: f32 = BokehLeakageWeight(sampleDepth, samplePixel.a, centerDepth, centerPixel.a,
             settings);
         color += samplePixel * weight;
@@ -291,7 +291,7 @@ fn BokehNaiveGrid(ColorSamp: texture_2d<f32>, DepthSamp: BokehDepthTexture, uv: 
             let offset: vec2f = rowOffset + BokehMakeOffsets(lineEndU, i, BOKEH_PAPER_SAMPLES);
             let sampleCoords: vec2f = uv + offset * centerPixel.a;
             let samplePixel: vec4f = BokehFetch(ColorSamp, sampleCoords, BokehLinearClamp);
-            let sampleDepth: f32 = BokehFetchDepth(DepthSamp, BokehToTexture(sampleCoords));
+            let sampleDepth: f32 = BokehFetchDepth(DepthSamp, BokehToTexture(sampleCoords)).x;
             let weight: f32 = BokehLeakageWeight(sampleDepth, samplePixel.a, centerDepth,
                 centerPixel.a, settings);
             color += samplePixel * weight;

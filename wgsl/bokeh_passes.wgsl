@@ -269,7 +269,7 @@ fn BokehPassCoC(depth: f32) -> f32
 // returns the depth of this pixel in metres
 fn BokehPassDepth(depthUV: vec2f) -> f32
 {
-    let stored: f32 = BokehFetchDepth(BokehDepthSamp, depthUV);
+    let stored: vec2f = BokehFetchDepth(BokehDepthSamp, depthUV);
     return BokehLinearDepth(stored, i32(bokehParameters.BokehDepthKind + 0.5),
         bokehParameters.BokehNear, bokehParameters.BokehFar);
 }

@@ -81,7 +81,7 @@ return function(folder, addBokeh)
     end
   end
   write(folder .. "/color.f16", scene.color)
-  local stored = bokeh:newPass({ { "metres" }, 1, "vec4(BokehFetchDepth(depth, uv))" })
+  local stored = bokeh:newPass({ { "metres" }, 1, "vec4(BokehFetchDepth(depth, uv).x)" })
   bokeh:drawPasses({ stored })
   write(folder .. "/depth.f32", stored.targets[1])
   local uniforms = bokeh.uniforms

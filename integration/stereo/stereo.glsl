@@ -16,7 +16,7 @@ vec4 BokehFetchTexel(sampler2DArray tex, vec2 coords)
     ivec2 texel = min(ivec2(clamp(coords, 0.0, 1.0) * vec2(size)), size - ivec2(1, 1));
     return texelFetch(tex, ivec3(texel, int(BokehEye)), 0);
 }
-float BokehFetchDepth(sampler2DArray tex, vec2 coords)
+vec2 BokehFetchDepth(sampler2DArray tex, vec2 coords)
 {
-    return BokehFetchTexel(tex, coords).r;
+    return BokehFetchTexel(tex, coords).rg;
 }

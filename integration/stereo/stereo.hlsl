@@ -21,7 +21,7 @@ float4 BokehFetchTexel(Texture2DArray tex, float2 coords)
     int2 texel = min(int2(saturate(coords) * float2(size)), size - int2(1, 1));
     return tex.Load(int4(texel, int(BokehEye), 0));
 }
-float BokehFetchDepth(Texture2DArray tex, float2 coords)
+float2 BokehFetchDepth(Texture2DArray tex, float2 coords)
 {
-    return BokehFetchTexel(tex, coords).r;
+    return BokehFetchTexel(tex, coords).rg;
 }

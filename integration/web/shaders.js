@@ -90,11 +90,11 @@ ivec2 size=textureSize(tex,0);
 ivec2 texel=ivec2(clamp(coords,0.0,1.0)*vec2(size));
 return texelFetch(tex,min(texel,size-ivec2(1,1)),0);
 }
-float BokehFetchDepth(BOKEH_DEPTH_TEXTURE tex,vec2 coords)
+vec2 BokehFetchDepth(BOKEH_DEPTH_TEXTURE tex,vec2 coords)
 {
 ivec2 size=BOKEH_DEPTH_SIZE(tex);
 ivec2 texel=ivec2(clamp(coords,0.0,1.0)*vec2(size));
-return texelFetch(tex,min(texel,size-ivec2(1,1)),0).r;
+return texelFetch(tex,min(texel,size-ivec2(1,1)),0).rg;
 }
 #endif
 vec4 BokehViewport=vec4(0.0,0.0,1.0,1.0);
@@ -162,48 +162,57 @@ safe=min(value,maximum);
 }
 return safe;
 }
-float BokehLinearDepth(float stored,int kind,float nearPlane,float farPlane)
+float BokehLinearDepth(vec2 stored,int kind,float nearPlane,float farPlane)
 {
-float depth=stored;
+float value=stored.x;
+float depth=value;
 if(kind==1)
 {
-depth=nearPlane*farPlane/(farPlane-stored*(farPlane-nearPlane));
+depth=nearPlane*farPlane/(farPlane-value*(farPlane-nearPlane));
 }
 else if(kind==2)
 {
-depth=nearPlane*farPlane/(nearPlane+stored*(farPlane-nearPlane));
+depth=nearPlane*farPlane/(nearPlane+value*(farPlane-nearPlane));
 }
 else if(kind==3)
 {
 depth=BOKEH_MAX_DEPTH;
-if(stored >= nearPlane/BOKEH_MAX_DEPTH)
+if(value >= nearPlane/BOKEH_MAX_DEPTH)
 {
-depth=nearPlane/stored;
+depth=nearPlane/value;
 }
 }
 else if(kind==4)
 {
-depth=2.0*nearPlane*farPlane/(farPlane+nearPlane-stored*(farPlane -
+depth=2.0*nearPlane*farPlane/(farPlane+nearPlane-value*(farPlane -
 nearPlane));
 }
 else if(kind==5)
 {
-depth=nearPlane+stored*(farPlane-nearPlane);
+depth=nearPlane+value*(farPlane-nearPlane);
 }
 else if(kind==6)
 {
-depth=nearPlane+(1.0-stored)*(farPlane-nearPlane);
+depth=nearPlane+(1.0-value)*(farPlane-nearPlane);
 }
 else if(kind==7)
 {
-depth=stored*farPlane;
+depth=value*farPlane;
 }
 else if(kind==8)
 {
 depth=0.0;
-if(stored >= 0.0)
+if(value >= 0.0)
 {
-depth=exp2(stored*log2(farPlane+1.0))-1.0;
+depth=exp2(value*log2(farPlane+1.0))-1.0;
+}
+}
+else if(kind==9)
+{
+depth=BOKEH_MAX_DEPTH;
+if(stored.y >= 0.5)
+{
+depth=value/stored.y;
 }
 }
 return BokehSanitize(depth,BOKEH_MIN_DEPTH,BOKEH_MAX_DEPTH);
@@ -661,7 +670,7 @@ return BokehResolved(L2.sum+L3.sum+L4.sum+L5.sum,pixel);
 #endif
 float BokehPaperDepth(BOKEH_DEPTH_TEXTURE DepthSamp,vec2 uv)
 {
-return BokehSanitize(BokehFetchDepth(DepthSamp,BokehToTexture(uv)),BOKEH_MIN_DEPTH,
+return BokehSanitize(BokehFetchDepth(DepthSamp,BokehToTexture(uv)).x,BOKEH_MIN_DEPTH,
 BOKEH_MAX_DEPTH);
 }
 vec4 BokehCoCMap(BOKEH_TEXTURE ColorSamp,BOKEH_DEPTH_TEXTURE DepthSamp,vec2 uv,BokehLens lens)
@@ -719,7 +728,7 @@ for(int i=0;i < BOKEH_PAPER_SAMPLES;i++)
 vec2 offset=BokehMakeOffsets(lineEnd,i,BOKEH_PAPER_SAMPLES);
 vec2 sampleCoords=uv+offset*centerPixel.a;
 vec4 samplePixel=BokehFetch(ColorSamp,sampleCoords);
-float sampleDepth=BokehFetchDepth(DepthSamp,BokehToTexture(sampleCoords));
+float sampleDepth=BokehFetchDepth(DepthSamp,BokehToTexture(sampleCoords)).x;
 float weight=BokehLeakageWeight(sampleDepth,samplePixel.a,centerDepth,centerPixel.a,
 settings);
 color+=samplePixel*weight;
@@ -753,7 +762,7 @@ break;
 float part=clamp(samples-float(i),0.0,1.0);
 vec2 sampleCoords=first+sampleStep*(float(i)+part*phase);
 vec4 samplePixel=BokehFetch(ColorSamp,sampleCoords);
-float sampleDepth=BokehFetchDepth(DepthSamp,BokehToTexture(sampleCoords));
+float sampleDepth=BokehFetchDepth(DepthSamp,BokehToTexture(sampleCoords)).x;
 float weight=part*BokehLeakageWeight(sampleDepth,samplePixel.a,centerDepth,
 centerPixel.a,settings);
 color+=samplePixel*weight;
@@ -793,7 +802,7 @@ vec2 offset=BokehFetchTexel(KernelSamp,vec2((float(i)+0.5) /
 float(BOKEH_PAPER_SAMPLES),0.5)).rg;
 vec2 sampleCoords=uv+offset*scale;
 vec4 samplePixel=BokehFetch(ColorSamp,sampleCoords);
-float sampleDepth=BokehFetchDepth(DepthSamp,BokehToTexture(sampleCoords));
+float sampleDepth=BokehFetchDepth(DepthSamp,BokehToTexture(sampleCoords)).x;
 float weight=BokehLeakageWeight(sampleDepth,samplePixel.a,centerDepth,centerPixel.a,
 settings);
 color+=samplePixel*weight;
@@ -816,7 +825,7 @@ for(int i=0;i < BOKEH_PAPER_SAMPLES;i++)
 vec2 offset=rowOffset+BokehMakeOffsets(lineEndU,i,BOKEH_PAPER_SAMPLES);
 vec2 sampleCoords=uv+offset*centerPixel.a;
 vec4 samplePixel=BokehFetch(ColorSamp,sampleCoords);
-float sampleDepth=BokehFetchDepth(DepthSamp,BokehToTexture(sampleCoords));
+float sampleDepth=BokehFetchDepth(DepthSamp,BokehToTexture(sampleCoords)).x;
 float weight=BokehLeakageWeight(sampleDepth,samplePixel.a,centerDepth,
 centerPixel.a,settings);
 color+=samplePixel*weight;
@@ -1984,11 +1993,11 @@ let size=vec2i(textureDimensions(tex));
 let texel=vec2i(saturate(coords)*vec2f(size));
 return textureLoad(tex,min(texel,size-vec2i(1,1)),0);
 }
-fn BokehFetchDepth(tex:BokehDepthTexture,coords:vec2f)->f32
+fn BokehFetchDepth(tex:BokehDepthTexture,coords:vec2f)->vec2f
 {
 let size=vec2i(textureDimensions(tex));
 let texel=vec2i(saturate(coords)*vec2f(size));
-return vec4f(textureLoad(tex,min(texel,size-vec2i(1,1)),0)).r;
+return vec4f(textureLoad(tex,min(texel,size-vec2i(1,1)),0)).rg;
 }
 var<private> BokehViewport:vec4f=vec4f(0.0,0.0,1.0,1.0);
 var<private> BokehViewportBounds:vec4f=vec4f(0.0,0.0,1.0,1.0);
@@ -2055,48 +2064,57 @@ safe=min(value,maximum);
 }
 return safe;
 }
-fn BokehLinearDepth(stored:f32,kind:i32,nearPlane:f32,farPlane:f32)->f32
+fn BokehLinearDepth(stored:vec2f,kind:i32,nearPlane:f32,farPlane:f32)->f32
 {
-var depth=stored;
+let value=stored.x;
+var depth=value;
 if(kind==1)
 {
-depth=nearPlane*farPlane/(farPlane-stored*(farPlane-nearPlane));
+depth=nearPlane*farPlane/(farPlane-value*(farPlane-nearPlane));
 }
 else if(kind==2)
 {
-depth=nearPlane*farPlane/(nearPlane+stored*(farPlane-nearPlane));
+depth=nearPlane*farPlane/(nearPlane+value*(farPlane-nearPlane));
 }
 else if(kind==3)
 {
 depth=BOKEH_MAX_DEPTH;
-if(stored >= nearPlane/BOKEH_MAX_DEPTH)
+if(value >= nearPlane/BOKEH_MAX_DEPTH)
 {
-depth=nearPlane/stored;
+depth=nearPlane/value;
 }
 }
 else if(kind==4)
 {
-depth=2.0*nearPlane*farPlane/(farPlane+nearPlane-stored*(farPlane -
+depth=2.0*nearPlane*farPlane/(farPlane+nearPlane-value*(farPlane -
 nearPlane));
 }
 else if(kind==5)
 {
-depth=nearPlane+stored*(farPlane-nearPlane);
+depth=nearPlane+value*(farPlane-nearPlane);
 }
 else if(kind==6)
 {
-depth=nearPlane+(1.0-stored)*(farPlane-nearPlane);
+depth=nearPlane+(1.0-value)*(farPlane-nearPlane);
 }
 else if(kind==7)
 {
-depth=stored*farPlane;
+depth=value*farPlane;
 }
 else if(kind==8)
 {
 depth=0.0;
-if(stored >= 0.0)
+if(value >= 0.0)
 {
-depth=exp2(stored*log2(farPlane+1.0))-1.0;
+depth=exp2(value*log2(farPlane+1.0))-1.0;
+}
+}
+else if(kind==9)
+{
+depth=BOKEH_MAX_DEPTH;
+if(stored.y >= 0.5)
+{
+depth=value/stored.y;
 }
 }
 return BokehSanitize(depth,BOKEH_MIN_DEPTH,BOKEH_MAX_DEPTH);
@@ -2567,7 +2585,7 @@ return BokehResolved(L2.sum+L3.sum+L4.sum+L5.sum,pixel);
 override BOKEH_PAPER_SAMPLES: i32 = 13;
 fn BokehPaperDepth(DepthSamp:BokehDepthTexture,uv:vec2f)->f32
 {
-return BokehSanitize(BokehFetchDepth(DepthSamp,BokehToTexture(uv)),BOKEH_MIN_DEPTH,
+return BokehSanitize(BokehFetchDepth(DepthSamp,BokehToTexture(uv)).x,BOKEH_MIN_DEPTH,
 BOKEH_MAX_DEPTH);
 }
 fn BokehCoCMap(ColorSamp:texture_2d<f32>,DepthSamp:BokehDepthTexture,uv:vec2f,
@@ -2627,7 +2645,7 @@ for(var i=0;i < BOKEH_PAPER_SAMPLES;i++)
 let offset=BokehMakeOffsets(lineEnd,i,BOKEH_PAPER_SAMPLES);
 let sampleCoords=uv+offset*centerPixel.a;
 let samplePixel=BokehFetch(ColorSamp,sampleCoords,BokehLinearClamp);
-let sampleDepth=BokehFetchDepth(DepthSamp,BokehToTexture(sampleCoords));
+let sampleDepth=BokehFetchDepth(DepthSamp,BokehToTexture(sampleCoords)).x;
 let weight=BokehLeakageWeight(sampleDepth,samplePixel.a,centerDepth,centerPixel.a,
 settings);
 color+=samplePixel*weight;
@@ -2662,7 +2680,7 @@ break;
 let part=clamp(samples-f32(i),0.0,1.0);
 let sampleCoords=first+sampleStep*(f32(i)+part*phase);
 let samplePixel=BokehFetch(ColorSamp,sampleCoords,BokehLinearClamp);
-let sampleDepth=BokehFetchDepth(DepthSamp,BokehToTexture(sampleCoords));
+let sampleDepth=BokehFetchDepth(DepthSamp,BokehToTexture(sampleCoords)).x;
 let weight=part*BokehLeakageWeight(sampleDepth,samplePixel.a,centerDepth,
 centerPixel.a,settings);
 color+=samplePixel*weight;
@@ -2704,7 +2722,7 @@ let offset=BokehFetchTexel(KernelSamp,vec2f((f32(i)+0.5) /
 f32(BOKEH_PAPER_SAMPLES),0.5)).rg;
 let sampleCoords=uv+offset*scale;
 let samplePixel=BokehFetch(ColorSamp,sampleCoords,BokehLinearClamp);
-let sampleDepth=BokehFetchDepth(DepthSamp,BokehToTexture(sampleCoords));
+let sampleDepth=BokehFetchDepth(DepthSamp,BokehToTexture(sampleCoords)).x;
 let weight=BokehLeakageWeight(sampleDepth,samplePixel.a,centerDepth,centerPixel.a,
 settings);
 color+=samplePixel*weight;
@@ -2728,7 +2746,7 @@ for(var i=0;i < BOKEH_PAPER_SAMPLES;i++)
 let offset=rowOffset+BokehMakeOffsets(lineEndU,i,BOKEH_PAPER_SAMPLES);
 let sampleCoords=uv+offset*centerPixel.a;
 let samplePixel=BokehFetch(ColorSamp,sampleCoords,BokehLinearClamp);
-let sampleDepth=BokehFetchDepth(DepthSamp,BokehToTexture(sampleCoords));
+let sampleDepth=BokehFetchDepth(DepthSamp,BokehToTexture(sampleCoords)).x;
 let weight=BokehLeakageWeight(sampleDepth,samplePixel.a,centerDepth,
 centerPixel.a,settings);
 color+=samplePixel*weight;

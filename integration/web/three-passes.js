@@ -3,8 +3,8 @@
 // Polygonal bokeh for three.js with WebGLRenderer, made of the functions of the GLSL library: what the passes for three.js's
 // own EffectComposer and for pmndrs' share.
 
-import { FloatType, GLSL3, Group, HalfFloatType, Mesh, NearestFilter, NoBlending, PlaneGeometry, RedFormat } from 'three';
-import { Raycaster, ShaderMaterial, Vector2, Vector3, WebGLRenderTarget } from 'three';
+import { FloatType, GLSL3, Group, HalfFloatType, Mesh, NearestFilter, NoBlending, PlaneGeometry, RGFormat } from 'three';
+import { Raycaster, RedFormat, ShaderMaterial, Vector2, Vector3, WebGLRenderTarget } from 'three';
 import { FullScreenQuad } from 'three/addons/postprocessing/Pass.js';
 import { checked, uniformsOf } from './common.js';
 import { METRES, declared, frame, library, stored, views } from './frames.js';
@@ -143,7 +143,7 @@ export const withPasses = (Base) =>
     draw(renderer, output, color, depth) {
       const { uniforms, textures } = this;
       this.renderer = renderer;
-      uniforms.depthKind.value = this.depthKind(renderer);
+      uniforms.depthKind.value = this.depthKind(renderer, depth);
       uniforms.nearPlane.value = this.camera.near;
       uniforms.farPlane.value = this.camera.far;
       if (uniforms.frame) uniforms.frame.value += 1;
@@ -163,9 +163,10 @@ export const withPasses = (Base) =>
       renderer.autoClearDepth = autoClearDepth;
     }
 
-    // What the depth texture holds, as BokehLinearDepth counts. three.js itself leaves the logarithm of 1 + metres out
+    // What the depth texture holds, as BokehLinearDepth counts: two channels are depth weighted by opacity. three.js leaves the logarithm of 1 + metres out
     // for an orthographic camera and for a reversed buffer; it sets reversedDepth.
-    depthKind(renderer) {
+    depthKind(renderer, depth) {
+      if (depth?.format === RGFormat) return 9;
       const { isOrthographicCamera, reversedDepth } = this.camera;
       if (isOrthographicCamera) return reversedDepth ? 6 : 5;
       if (renderer.capabilities.logarithmicDepthBuffer) return 8;

@@ -47,6 +47,8 @@ export function depthOf(renderPass) {
   return target.texture;
 }
 
+export { depthWithOpacity } from './three-opacity.js';
+
 export class PolygonBokehPass extends withPasses(Pass) {
   render(renderer, writeBuffer, readBuffer) {
     const { depthTexture } = this.options;

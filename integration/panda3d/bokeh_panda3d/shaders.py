@@ -88,11 +88,11 @@ ivec2 size = textureSize(tex, 0);
 ivec2 texel = ivec2(clamp(coords, 0.0, 1.0) * vec2(size));
 return texelFetch(tex, min(texel, size - ivec2(1, 1)), 0);
 }
-float BokehFetchDepth(BOKEH_DEPTH_TEXTURE tex, vec2 coords)
+vec2 BokehFetchDepth(BOKEH_DEPTH_TEXTURE tex, vec2 coords)
 {
 ivec2 size = BOKEH_DEPTH_SIZE(tex);
 ivec2 texel = ivec2(clamp(coords, 0.0, 1.0) * vec2(size));
-return texelFetch(tex, min(texel, size - ivec2(1, 1)), 0).r;
+return texelFetch(tex, min(texel, size - ivec2(1, 1)), 0).rg;
 }
 #endif
 vec4 BokehViewport = vec4(0.0, 0.0, 1.0, 1.0);
@@ -160,48 +160,57 @@ safe = min(value, maximum);
 }
 return safe;
 }
-float BokehLinearDepth(float stored, int kind, float nearPlane, float farPlane)
+float BokehLinearDepth(vec2 stored, int kind, float nearPlane, float farPlane)
 {
-float depth = stored;
+float value = stored.x;
+float depth = value;
 if (kind == 1)
 {
-depth = nearPlane * farPlane / (farPlane - stored * (farPlane - nearPlane));
+depth = nearPlane * farPlane / (farPlane - value * (farPlane - nearPlane));
 }
 else if (kind == 2)
 {
-depth = nearPlane * farPlane / (nearPlane + stored * (farPlane - nearPlane));
+depth = nearPlane * farPlane / (nearPlane + value * (farPlane - nearPlane));
 }
 else if (kind == 3)
 {
 depth = BOKEH_MAX_DEPTH;
-if (stored >= nearPlane / BOKEH_MAX_DEPTH)
+if (value >= nearPlane / BOKEH_MAX_DEPTH)
 {
-depth = nearPlane / stored;
+depth = nearPlane / value;
 }
 }
 else if (kind == 4)
 {
-depth = 2.0 * nearPlane * farPlane / (farPlane + nearPlane - stored * (farPlane -
+depth = 2.0 * nearPlane * farPlane / (farPlane + nearPlane - value * (farPlane -
 nearPlane));
 }
 else if (kind == 5)
 {
-depth = nearPlane + stored * (farPlane - nearPlane);
+depth = nearPlane + value * (farPlane - nearPlane);
 }
 else if (kind == 6)
 {
-depth = nearPlane + (1.0 - stored) * (farPlane - nearPlane);
+depth = nearPlane + (1.0 - value) * (farPlane - nearPlane);
 }
 else if (kind == 7)
 {
-depth = stored * farPlane;
+depth = value * farPlane;
 }
 else if (kind == 8)
 {
 depth = 0.0;
-if (stored >= 0.0)
+if (value >= 0.0)
 {
-depth = exp2(stored * log2(farPlane + 1.0)) - 1.0;
+depth = exp2(value * log2(farPlane + 1.0)) - 1.0;
+}
+}
+else if (kind == 9)
+{
+depth = BOKEH_MAX_DEPTH;
+if (stored.y >= 0.5)
+{
+depth = value / stored.y;
 }
 }
 return BokehSanitize(depth, BOKEH_MIN_DEPTH, BOKEH_MAX_DEPTH);
@@ -657,7 +666,7 @@ return BokehResolved(L2.sum + L3.sum + L4.sum + L5.sum, pixel);
 #endif
 float BokehPaperDepth(BOKEH_DEPTH_TEXTURE DepthSamp, vec2 uv)
 {
-return BokehSanitize(BokehFetchDepth(DepthSamp, BokehToTexture(uv)), BOKEH_MIN_DEPTH,
+return BokehSanitize(BokehFetchDepth(DepthSamp, BokehToTexture(uv)).x, BOKEH_MIN_DEPTH,
 BOKEH_MAX_DEPTH);
 }
 vec4 BokehCoCMap(BOKEH_TEXTURE ColorSamp, BOKEH_DEPTH_TEXTURE DepthSamp, vec2 uv, BokehLens lens)
@@ -715,7 +724,7 @@ for (int i = 0; i < BOKEH_PAPER_SAMPLES; i++)
 vec2 offset = BokehMakeOffsets(lineEnd, i, BOKEH_PAPER_SAMPLES);
 vec2 sampleCoords = uv + offset * centerPixel.a;
 vec4 samplePixel = BokehFetch(ColorSamp, sampleCoords);
-float sampleDepth = BokehFetchDepth(DepthSamp, BokehToTexture(sampleCoords));
+float sampleDepth = BokehFetchDepth(DepthSamp, BokehToTexture(sampleCoords)).x;
 float weight = BokehLeakageWeight(sampleDepth, samplePixel.a, centerDepth, centerPixel.a,
 settings);
 color += samplePixel * weight;
@@ -749,7 +758,7 @@ break;
 float part = clamp(samples - float(i), 0.0, 1.0);
 vec2 sampleCoords = first + sampleStep * (float(i) + part * phase);
 vec4 samplePixel = BokehFetch(ColorSamp, sampleCoords);
-float sampleDepth = BokehFetchDepth(DepthSamp, BokehToTexture(sampleCoords));
+float sampleDepth = BokehFetchDepth(DepthSamp, BokehToTexture(sampleCoords)).x;
 float weight = part * BokehLeakageWeight(sampleDepth, samplePixel.a, centerDepth,
 centerPixel.a, settings);
 color += samplePixel * weight;
@@ -789,7 +798,7 @@ vec2 offset = BokehFetchTexel(KernelSamp, vec2((float(i) + 0.5) /
 float(BOKEH_PAPER_SAMPLES), 0.5)).rg;
 vec2 sampleCoords = uv + offset * scale;
 vec4 samplePixel = BokehFetch(ColorSamp, sampleCoords);
-float sampleDepth = BokehFetchDepth(DepthSamp, BokehToTexture(sampleCoords));
+float sampleDepth = BokehFetchDepth(DepthSamp, BokehToTexture(sampleCoords)).x;
 float weight = BokehLeakageWeight(sampleDepth, samplePixel.a, centerDepth, centerPixel.a,
 settings);
 color += samplePixel * weight;
@@ -812,7 +821,7 @@ for (int i = 0; i < BOKEH_PAPER_SAMPLES; i++)
 vec2 offset = rowOffset + BokehMakeOffsets(lineEndU, i, BOKEH_PAPER_SAMPLES);
 vec2 sampleCoords = uv + offset * centerPixel.a;
 vec4 samplePixel = BokehFetch(ColorSamp, sampleCoords);
-float sampleDepth = BokehFetchDepth(DepthSamp, BokehToTexture(sampleCoords));
+float sampleDepth = BokehFetchDepth(DepthSamp, BokehToTexture(sampleCoords)).x;
 float weight = BokehLeakageWeight(sampleDepth, samplePixel.a, centerDepth,
 centerPixel.a, settings);
 color += samplePixel * weight;
@@ -2217,7 +2226,7 @@ return CoC;
 }
 float BokehPassDepth(vec2 depthUV)
 {
-float stored = BokehFetchDepth(BokehDepthSamp, depthUV);
+vec2 stored = BokehFetchDepth(BokehDepthSamp, depthUV);
 return BokehLinearDepth(stored, int(BokehDepthKind + 0.5), BokehNear, BokehFar);
 }
 vec2 BokehDepthUV(vec2 uv)

@@ -314,7 +314,7 @@ float BokehPassCoC(float depth)
 // returns the depth of this pixel in metres
 float BokehPassDepth(float2 depthUV)
 {
-    float stored = BokehFetchDepth(BokehDepthSamp, depthUV);
+    float2 stored = BokehFetchDepth(BokehDepthSamp, depthUV);
     return BokehLinearDepth(stored, int(BokehDepthKind + 0.5), BokehNear, BokehFar);
 }
 

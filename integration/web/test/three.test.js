@@ -49,6 +49,24 @@ for (const version of VERSIONS) {
       assert.deepEqual(await call('between'), [0, 0]); // a pass between
     });
 
+    await t.test('the sample with glass: an edge behind it stays sharp, which its own depth would blur', async () => {
+      const { call, close } = await openedWith(version, 'glass');
+      t.after(close);
+      const { weighted, plain } = await call('steps');
+      assert.ok(weighted > 2 * plain, `${weighted}, ${plain}`);
+    });
+
+    for (const orthographic of [false, true]) {
+      const view = orthographic ? 'an orthographic' : 'a perspective';
+      await t.test(`depth weighted by opacity, of ${view} camera; the scene stays as it is, nothing is left`, async () => {
+        const { metres, wanted, same, freed } = await call('weighted', orthographic);
+        // half floats: red is rounded once for each surface, 2^-11, and so is green
+        for (const found of metres) found.forEach((value, i) => assertNear(value, wanted[i], 2 ** -9 * wanted[i], `place ${i}:`));
+        assert.ok(same);
+        assert.ok(freed > 0);
+      });
+    }
+
     await t.test('focus on a nested object, from a camera in a scaled rig: the depth that is drawn', async () => {
       const { focus, drawn, place } = await call('focus');
       for (const other of [focus, place]) assertNear(other, drawn, 1e-4 * drawn, 'focus');

@@ -8,7 +8,7 @@ import { PolygonBokehFrame } from 'polygonal-bokeh/playcanvas';
 import { PolygonBokehPass as PmndrsPass } from 'polygonal-bokeh/postprocessing';
 import { PolygonBokeh as Component } from 'polygonal-bokeh/react';
 import { PolygonBokeh as WebGPUComponent } from 'polygonal-bokeh/react-webgpu';
-import { PolygonBokehPass, SharpPass, depthOf } from 'polygonal-bokeh/three';
+import { PolygonBokehPass, SharpPass, depthOf, depthWithOpacity } from 'polygonal-bokeh/three';
 import { PolygonBokehNode } from 'polygonal-bokeh/three-webgpu';
 import * as pmndrs from 'postprocessing';
 import { createElement, createRef } from 'react';
@@ -25,6 +25,8 @@ export async function webgl(renderer: WebGLRenderer): Promise<number> {
   const scenePass = new RenderPass(scene, camera);
   const bokeh = new PolygonBokehPass(camera, { sides: 8, extras: ['jitter'], depthTexture: depthOf(scenePass) });
   for (const one of [scenePass, bokeh, new SharpPass(bokeh, scene)]) composer.addPass(one);
+  const weighted = new PolygonBokehPass(camera, { depthTexture: depthWithOpacity(scenePass) });
+  composer.addPass(weighted);
   bokeh.setLens(1.4);
   bokeh.focusOn(new Mesh());
   bokeh.focusOn(new Vector3());

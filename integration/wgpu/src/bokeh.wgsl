@@ -24,11 +24,11 @@ let size: vec2i = vec2i(textureDimensions(tex));
 let texel: vec2i = vec2i(saturate(coords) * vec2f(size));
 return textureLoad(tex, min(texel, size - vec2i(1, 1)), 0);
 }
-fn BokehFetchDepth(tex: BokehDepthTexture, coords: vec2f) -> f32
+fn BokehFetchDepth(tex: BokehDepthTexture, coords: vec2f) -> vec2f
 {
 let size: vec2i = vec2i(textureDimensions(tex));
 let texel: vec2i = vec2i(saturate(coords) * vec2f(size));
-return vec4f(textureLoad(tex, min(texel, size - vec2i(1, 1)), 0)).r;
+return vec4f(textureLoad(tex, min(texel, size - vec2i(1, 1)), 0)).rg;
 }
 var<private> BokehViewport: vec4f = vec4f(0.0, 0.0, 1.0, 1.0);
 var<private> BokehViewportBounds: vec4f = vec4f(0.0, 0.0, 1.0, 1.0);
@@ -95,48 +95,57 @@ safe = min(value, maximum);
 }
 return safe;
 }
-fn BokehLinearDepth(stored: f32, kind: i32, nearPlane: f32, farPlane: f32) -> f32
+fn BokehLinearDepth(stored: vec2f, kind: i32, nearPlane: f32, farPlane: f32) -> f32
 {
-var depth: f32 = stored;
+let value: f32 = stored.x;
+var depth: f32 = value;
 if (kind == 1)
 {
-depth = nearPlane * farPlane / (farPlane - stored * (farPlane - nearPlane));
+depth = nearPlane * farPlane / (farPlane - value * (farPlane - nearPlane));
 }
 else if (kind == 2)
 {
-depth = nearPlane * farPlane / (nearPlane + stored * (farPlane - nearPlane));
+depth = nearPlane * farPlane / (nearPlane + value * (farPlane - nearPlane));
 }
 else if (kind == 3)
 {
 depth = BOKEH_MAX_DEPTH;
-if (stored >= nearPlane / BOKEH_MAX_DEPTH)
+if (value >= nearPlane / BOKEH_MAX_DEPTH)
 {
-depth = nearPlane / stored;
+depth = nearPlane / value;
 }
 }
 else if (kind == 4)
 {
-depth = 2.0 * nearPlane * farPlane / (farPlane + nearPlane - stored * (farPlane -
+depth = 2.0 * nearPlane * farPlane / (farPlane + nearPlane - value * (farPlane -
 nearPlane));
 }
 else if (kind == 5)
 {
-depth = nearPlane + stored * (farPlane - nearPlane);
+depth = nearPlane + value * (farPlane - nearPlane);
 }
 else if (kind == 6)
 {
-depth = nearPlane + (1.0 - stored) * (farPlane - nearPlane);
+depth = nearPlane + (1.0 - value) * (farPlane - nearPlane);
 }
 else if (kind == 7)
 {
-depth = stored * farPlane;
+depth = value * farPlane;
 }
 else if (kind == 8)
 {
 depth = 0.0;
-if (stored >= 0.0)
+if (value >= 0.0)
 {
-depth = exp2(stored * log2(farPlane + 1.0)) - 1.0;
+depth = exp2(value * log2(farPlane + 1.0)) - 1.0;
+}
+}
+else if (kind == 9)
+{
+depth = BOKEH_MAX_DEPTH;
+if (stored.y >= 0.5)
+{
+depth = value / stored.y;
 }
 }
 return BokehSanitize(depth, BOKEH_MIN_DEPTH, BOKEH_MAX_DEPTH);
@@ -605,7 +614,7 @@ return BokehResolved(L2.sum + L3.sum + L4.sum + L5.sum, pixel);
 override BOKEH_PAPER_SAMPLES: i32 = 13;
 fn BokehPaperDepth(DepthSamp: BokehDepthTexture, uv: vec2f) -> f32
 {
-return BokehSanitize(BokehFetchDepth(DepthSamp, BokehToTexture(uv)), BOKEH_MIN_DEPTH,
+return BokehSanitize(BokehFetchDepth(DepthSamp, BokehToTexture(uv)).x, BOKEH_MIN_DEPTH,
 BOKEH_MAX_DEPTH);
 }
 fn BokehCoCMap(ColorSamp: texture_2d<f32>, DepthSamp: BokehDepthTexture, uv: vec2f,
@@ -665,7 +674,7 @@ for (var i: i32 = 0; i < BOKEH_PAPER_SAMPLES; i++)
 let offset: vec2f = BokehMakeOffsets(lineEnd, i, BOKEH_PAPER_SAMPLES);
 let sampleCoords: vec2f = uv + offset * centerPixel.a;
 let samplePixel: vec4f = BokehFetch(ColorSamp, sampleCoords, BokehLinearClamp);
-let sampleDepth: f32 = BokehFetchDepth(DepthSamp, BokehToTexture(sampleCoords));
+let sampleDepth: f32 = BokehFetchDepth(DepthSamp, BokehToTexture(sampleCoords)).x;
 let weight: f32 = BokehLeakageWeight(sampleDepth, samplePixel.a, centerDepth, centerPixel.a,
 settings);
 color += samplePixel * weight;
@@ -700,7 +709,7 @@ break;
 let part: f32 = clamp(samples - f32(i), 0.0, 1.0);
 let sampleCoords: vec2f = first + sampleStep * (f32(i) + part * phase);
 let samplePixel: vec4f = BokehFetch(ColorSamp, sampleCoords, BokehLinearClamp);
-let sampleDepth: f32 = BokehFetchDepth(DepthSamp, BokehToTexture(sampleCoords));
+let sampleDepth: f32 = BokehFetchDepth(DepthSamp, BokehToTexture(sampleCoords)).x;
 let weight: f32 = part * BokehLeakageWeight(sampleDepth, samplePixel.a, centerDepth,
 centerPixel.a, settings);
 color += samplePixel * weight;
@@ -742,7 +751,7 @@ let offset: vec2f = BokehFetchTexel(KernelSamp, vec2f((f32(i) + 0.5) /
 f32(BOKEH_PAPER_SAMPLES), 0.5)).rg;
 let sampleCoords: vec2f = uv + offset * scale;
 let samplePixel: vec4f = BokehFetch(ColorSamp, sampleCoords, BokehLinearClamp);
-let sampleDepth: f32 = BokehFetchDepth(DepthSamp, BokehToTexture(sampleCoords));
+let sampleDepth: f32 = BokehFetchDepth(DepthSamp, BokehToTexture(sampleCoords)).x;
 let weight: f32 = BokehLeakageWeight(sampleDepth, samplePixel.a, centerDepth, centerPixel.a,
 settings);
 color += samplePixel * weight;
@@ -766,7 +775,7 @@ for (var i: i32 = 0; i < BOKEH_PAPER_SAMPLES; i++)
 let offset: vec2f = rowOffset + BokehMakeOffsets(lineEndU, i, BOKEH_PAPER_SAMPLES);
 let sampleCoords: vec2f = uv + offset * centerPixel.a;
 let samplePixel: vec4f = BokehFetch(ColorSamp, sampleCoords, BokehLinearClamp);
-let sampleDepth: f32 = BokehFetchDepth(DepthSamp, BokehToTexture(sampleCoords));
+let sampleDepth: f32 = BokehFetchDepth(DepthSamp, BokehToTexture(sampleCoords)).x;
 let weight: f32 = BokehLeakageWeight(sampleDepth, samplePixel.a, centerDepth,
 centerPixel.a, settings);
 color += samplePixel * weight;
@@ -2092,7 +2101,7 @@ return CoC;
 }
 fn BokehPassDepth(depthUV: vec2f) -> f32
 {
-let stored: f32 = BokehFetchDepth(BokehDepthSamp, depthUV);
+let stored: vec2f = BokehFetchDepth(BokehDepthSamp, depthUV);
 return BokehLinearDepth(stored, i32(bokehParameters.BokehDepthKind + 0.5),
 bokehParameters.BokehNear, bokehParameters.BokehFar);
 }

@@ -110,6 +110,8 @@ pub enum Depth {
     FractionOfFar { far: f32 },
     /// log(1 + metres) / log(1 + far).
     Logarithmic { far: f32 },
+    /// Metres times opacity in red, and opacity in green, such as `Rg16Float`: each surface blended over those behind it.
+    WeightedByOpacity,
 }
 
 impl Depth {
@@ -124,6 +126,7 @@ impl Depth {
             Self::OrthographicReversed { near, far } => (6, near, far),
             Self::FractionOfFar { far } => (7, 0.0, far),
             Self::Logarithmic { far } => (8, 0.0, far),
+            Self::WeightedByOpacity => (9, 0.0, 0.0),
         };
         (parameters.depth_kind, parameters.near, parameters.far) = (kind as f32, near, far);
     }

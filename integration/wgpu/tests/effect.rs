@@ -122,12 +122,15 @@ fn kinds_of_depth_agree() {
         (Depth::FractionOfFar { far }, metres / far),
         (Depth::Logarithmic { far }, metres.ln_1p() / far.ln_1p()),
     ];
+    let mut textures: Vec<_> = kinds.map(|(kind, value)| (kind, depth(&gpu, WIDTH, HEIGHT, value))).into();
+    let weighted = vec![[0.75 * metres, 0.75, 0.0, 0.0]; (WIDTH * HEIGHT) as usize];
+    textures.push((Depth::WeightedByOpacity, images::color(&gpu.0, &gpu.1, WIDTH, HEIGHT, &weighted)));
     let color = color(&gpu, WIDTH, HEIGHT, 0, 0);
     let bokeh = Bokeh::new(&gpu.0, Method::Layered, Polygon::Hexagon, Preset::Medium);
     let debug = Lens { debug: Some(Debug::CircleOfConfusion), ..lens() };
     let mut greys = Vec::new();
-    for (kind, value) in kinds {
-        let picture = drawn(&gpu, &bokeh, &color, &depth(&gpu, WIDTH, HEIGHT, value), &debug, kind);
+    for (kind, texture) in textures {
+        let picture = drawn(&gpu, &bokeh, &color, &texture, &debug, kind);
         greys.push(u16::from_le_bytes([picture[0], picture[1]]));
     }
     // stored depth has some 24 bits, so the greys, of 11 bits, differ by a step at most

@@ -113,6 +113,12 @@ def _inputs() -> Iterator[tuple[str, Frame]]:
         frame = Frame((render_pass,), {"depth": stored.astype(np.float32)}, (10, 6), "float")
         yield f"depth, {name}", frame
     yield "depth, part", in_part(frame)
+    # opacity below, at and above a half, and invalid; metres times opacity
+    opacity = np.resize(np.float32([0.25, 0.5, 0.75, 1.0, *HOSTILE_DEPTH]), (6, 10))
+    with np.errstate(over="ignore", invalid="ignore"):
+        weighted = np.stack([stored.astype(np.float32) * opacity, opacity, *np.zeros((2, 6, 10), np.float32)], axis=-1)
+    render_pass = replace(render_pass, parameters={"BokehDepthKind": float(listings.WEIGHTED)})
+    yield "depth, weighted", Frame((render_pass,), {"depth": weighted}, (10, 6), "float")
     # the image covers a part of the depth buffer, with different fractions of its width and height
     rectangle = {"BokehDepthX": 0.5, "BokehDepthY": 0.25, "BokehDepthWidth": 0.5, "BokehDepthHeight": 0.25}
     render_pass = Pass("BokehSignedCoCMap", read, "coc", LENS.parameters() | FOCUS.parameters() | rectangle)

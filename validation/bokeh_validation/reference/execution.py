@@ -98,9 +98,9 @@ class Texture:
         return Interval(value, low, high)
 
     def depth(self, uv: Interval) -> Interval:
-        """Fetch the first channel of the nearest texel."""
-        texel = self.nearest(uv)
-        return Interval(texel.value[0], texel.low[0], texel.high[0])
+        """Fetch red and green of the nearest texel; a texture of one channel has no green, which is then 0."""
+        texel, missing = self.nearest(uv), np.zeros((max(2 - self.value.shape[-1], 0), uv.value.shape[-1]))
+        return Interval(*(np.concatenate([part[:2], missing]) for part in (texel.value, texel.low, texel.high)))
 
 
 def _error(bounds: np.ndarray, offsets: np.ndarray) -> np.ndarray:

@@ -31,7 +31,7 @@ def safe_depth(depth: np.ndarray) -> np.ndarray:
     return np.where(depth > MIN_DEPTH, np.minimum(depth, MAX_DEPTH), MIN_DEPTH)
 
 
-# Name of the kind of depth that a buffer holds -> BokehDepthKind
+# Name of the kind of depth that a buffer of one channel holds -> BokehDepthKind
 DEPTH_KINDS = {
     "metres": 0,
     "window": 1,
@@ -43,6 +43,8 @@ DEPTH_KINDS = {
     "fraction": 7,
     "logarithmic": 8,
 }
+# The kind of a buffer of two channels, metres times opacity and opacity
+WEIGHTED = 9
 
 
 def linear_depth(depth: np.ndarray, kind: int, near: float, far: float) -> np.ndarray:
@@ -79,6 +81,16 @@ def stored_depth(metres: np.ndarray, kind: int, near: float, far: float) -> np.n
         7: lambda: metres / far,
         8: lambda: np.log1p(metres) / np.log1p(far),
     }[kind]()
+
+
+def weighted_depth(stored: np.ndarray) -> np.ndarray:
+    """Convert depth of the kind WEIGHTED to metres, made safe by safe_depth(); less than half opaque is the sky.
+
+    stored  (..., 2): metres times opacity, and opacity
+    """
+    opaque_enough = stored[..., 1] >= 0.5
+    metres = stored[..., 0] / np.where(opaque_enough, stored[..., 1], 1.0)
+    return safe_depth(np.where(opaque_enough, metres, MAX_DEPTH))
 
 
 def leakage_weight(sample_depth, sample_coc, center_depth, center_coc, bias, mult):

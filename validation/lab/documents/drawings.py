@@ -113,6 +113,7 @@ DRAWINGS = (
     Drawing(("frame_graph",), graph, ()),
     Drawing(("flip_by_method",), flip_by_method, ()),
     Drawing(("lights_apart",), gallery.apart, ALL),
+    Drawing(("opacity",), gallery.opacity, LAYERED, (MARKET.source,)),
     Drawing(("character_cats_eye",), cats_eye, ALL, (MARKET.source,)),
     *(
         Drawing(tuple(likeness.names(scene)), partial(likeness.likeness, scene=scene), ALL, files_of(scene))

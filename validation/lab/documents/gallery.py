@@ -9,6 +9,7 @@ from bokeh_validation.drivers.base import Driver
 from bokeh_validation.frame import methods
 from bokeh_validation.probes import lights_apart
 from bokeh_validation.probes.model import drawn as drawn_case
+from bokeh_validation.reference import listings
 from bokeh_validation.truth import ray_traced
 
 CAMERA = ray_traced.MARKET.camera
@@ -147,6 +148,40 @@ def gallery(driver: Driver, name: str) -> dict[str, np.ndarray]:
         [pictures.Captioned(drawn(driver, **view), caption) for caption, view in row.items()] for row in PICTURES[name]
     ]
     return {name: pictures.grid(panels)}
+
+
+# A pane of glass: color, metres, and the part of the image that is shown, as left, top, width, height
+GLASS, METRES, PANE = (0.10, 0.16, 0.20), 0.9, (500, 140, 320, 300)
+
+
+def pane(size: tuple[int, int]) -> np.ndarray:
+    """Return the opacity of the pane of glass in an image, (H, W): faint, with a dense rim."""
+    width, height = size
+    rows, columns = np.mgrid[0:height, 0:width] / height
+    across, down = (np.abs(columns - 1.25) - 0.2).clip(0.0), (np.abs(rows - 0.55) - 0.2).clip(0.0)
+    outside = np.hypot(across, down)
+    return np.where(outside < 0.02, 0.3, np.where(outside < 0.035, 0.8, 0.0))
+
+
+def opacity(driver: Driver) -> dict[str, np.ndarray]:
+    """Draw glass in market_7 without depth, with depth, and with depth weighted by opacity."""
+    case = ray_traced.scene_case(ray_traced.MARKET, "layered", "hexagon")
+    (first, *later_passes), textures = case.plan.passes, case.textures()
+    color, behind = textures["color"].astype(np.float64), textures["depth"].astype(np.float64)
+    alpha = np.where(behind > METRES, pane(case.size), 0.0)
+    color[..., :3] += alpha[..., None] * (np.array(GLASS) - color[..., :3])
+    weighted = np.stack([behind + alpha * (METRES - behind), np.ones_like(behind), 0 * behind, 0 * behind], axis=-1)
+    panels = []
+    for caption, depth, kind in (
+        ("the glass writes no depth", behind, 0),
+        ("the glass writes depth", np.where(alpha > 0.0, METRES, behind), 0),
+        ("depth weighted by opacity", weighted, listings.WEIGHTED),
+    ):
+        inputs = {**textures, "color": color.astype(np.float16), "depth": depth.astype(np.float32)}
+        map_pass = replace(first, parameters={**first.parameters, "BokehDepthKind": float(kind)})
+        result = driver.run([map_pass, *later_passes], inputs, case.size)["result"]
+        panels.append(pictures.Captioned(pictures.crop(pictures.filmic(result[..., :3], 1.6), *PANE), caption))
+    return {"opacity": pictures.grid([panels])}
 
 
 # Lights over a plane of CoC 40, one blurred less and one blurred more, by method and polygon

@@ -86,7 +86,7 @@ def test_compilers_report():
     load("webgl2")
     vertex = shaders.glsl("BokehFullScreen", "300es").replace("out vec2 BokehUV", "out vec3 BokehUV")
     vertex = vertex.replace("BokehUV = vec2(", "BokehUV = vec3(0.0, ").replace("BokehUV * 2.0", "BokehUV.xy * 2.0")
-    nearest = "BokehFetchDepth(DepthSamp, BokehToTexture(sampleCoords))"
+    nearest = "BokehFetchDepth(DepthSamp, BokehToTexture(sampleCoords)).x"
     filtered = shaders.wgsl().replace(nearest, "BokehFetch(DepthSamp, sampleCoords, BokehLinearClamp).r")
     for result, words in (
         (angle_tint.angle(vertex, shaders.glsl("BokehDebug", "300es")), "link: "),

@@ -94,7 +94,7 @@ def test_no_sample_takes_its_level_from_derivatives(entry):
 
 def test_depth_and_kernel_need_no_filtering_sampler():
     """Check that filtering depth fails: naga's layout declares depth as unfilterable."""
-    direct = "BokehFetchDepth(DepthSamp, BokehToTexture(sampleCoords))"
+    direct = "BokehFetchDepth(DepthSamp, BokehToTexture(sampleCoords)).x"
     linear = "BokehFetch(DepthSamp, sampleCoords, BokehLinearClamp).r"
     programs = [
         hlsl_program

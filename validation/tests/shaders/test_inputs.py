@@ -41,11 +41,11 @@ def slope(metres: np.ndarray, kind: int) -> np.ndarray:
 
 
 def linearised(driver, depth, kind: int, near: float = NEAR, far: float = FAR) -> np.ndarray:
-    """Run BokehLinearDepth on rows of numbers; returns metres."""
+    """Run BokehLinearDepth on rows of numbers, or of texels (H, W, 4); returns metres."""
     depth = np.array(depth, np.float32)
     parameters = {"BokehDepthKind": float(kind), "BokehNear": near, "BokehFar": far}
     item = Pass("BokehLinearDepth", {"DepthSamp": "depth"}, "linear", parameters)
-    return driver.run([item], {"depth": depth}, depth.shape[::-1], "float", keep=("linear",))["linear"][..., 0]
+    return driver.run([item], {"depth": depth}, depth.shape[1::-1], "float", keep=("linear",))["linear"][..., 0]
 
 
 def coc_map(driver, camera: methods.Camera, values, entry: str = "BokehCoCMap") -> np.ndarray:
@@ -94,6 +94,25 @@ def test_ends_of_the_range(driver):
     np.testing.assert_allclose(linearised(driver, [[0.0, 1.0]], 3), [[listings.MAX_DEPTH, NEAR]], rtol=1e-6)
     for kind in (7, 8):
         np.testing.assert_allclose(linearised(driver, [[1.0]], kind), FAR, rtol=LOGARITHM_ROUNDINGS * (FAR + 1.0) / FAR)
+
+
+def test_depth_weighted_by_opacity(driver):
+    """Check metres of surfaces that were blended over each other with their opacity, as docs/inputs.md tells it.
+
+    Stored in float32: 2^-24 for each of both channels, and 2.5 times that for the division. Where the opacity is below
+    a half, invalid or not a number, there is the sky.
+    """
+    opacity = np.resize(np.float32([0.5, 0.6, 0.75, 1.0]), METRES.shape)
+    color = np.stack([METRES * opacity, opacity, *np.zeros((2, *METRES.shape))], axis=-1).astype(np.float32)
+    np.testing.assert_allclose(linearised(driver, color, listings.WEIGHTED), METRES, rtol=4.5 * 2.0**-24)
+    color[..., 1] = np.resize(np.float32([0.0, 0.49, -1.0, np.nan, -np.inf]), METRES.shape)
+    np.testing.assert_array_equal(linearised(driver, color, listings.WEIGHTED), np.float32(listings.MAX_DEPTH))
+    # blended in order, from an opaque wall at 20 m: glass of a quarter at 10 m, then of a half at 2 m
+    stored = np.array([20.0, 1.0])
+    for metres, alpha in ((10.0, 0.25), (2.0, 0.5)):
+        stored = np.array([metres * alpha, alpha]) + (1.0 - alpha) * stored
+    expected = 2.0 * 0.5 + 0.5 * (10.0 * 0.25 + 0.75 * 20.0)
+    np.testing.assert_allclose(linearised(driver, [[[*stored, 0.0, 0.0]]], listings.WEIGHTED), expected, rtol=1e-6)
 
 
 # values that no camera stores

@@ -5,7 +5,7 @@ import { EffectComposer } from 'three/addons/postprocessing/EffectComposer.js';
 import { RenderPass } from 'three/addons/postprocessing/RenderPass.js';
 import { ShaderPass } from 'three/addons/postprocessing/ShaderPass.js';
 import { CopyShader } from 'three/addons/shaders/CopyShader.js';
-import { PolygonBokehPass, SharpPass, depthOf } from 'polygonal-bokeh/three';
+import { PolygonBokehPass, SharpPass, depthOf, depthWithOpacity } from 'polygonal-bokeh/three';
 import { SIZE, addGlass, calls, glassFound, inMiddle, makeScene as sceneOf, off, total } from './scene.js';
 
 const renderer = new THREE.WebGLRenderer();
@@ -40,6 +40,31 @@ function drawn({ composer }, frames = 1) {
   renderer.readRenderTargetPixels(composer.readBuffer, 0, 0, ...SIZE, halves);
   return Array.from(halves, THREE.DataUtils.fromHalfFloat);
 }
+
+// Surfaces over the subject at 4 m, the wall at 12 m or the sky: [metres, material] from back to front, and metres expected
+const glass = (opacity, options = {}) => new THREE.MeshBasicMaterial({ transparent: true, opacity, ...options });
+const faint = new THREE.DataTexture(new Uint8Array([255, 255, 255, 51]), 1, 1); // an alpha of 0.2
+faint.needsUpdate = true;
+const OWN_OUTPUT = {
+  glslVersion: THREE.GLSL3,
+  transparent: true,
+  vertexShader: 'void main() { gl_Position = projectionMatrix * modelViewMatrix * vec4(position, 1.0); }',
+  fragmentShader: 'out highp vec4 mine; void main() { mine = vec4(1.0, 0.0, 0.0, 0.5); }',
+};
+const WEIGHTED = {
+  subject: { at: [48, 34], surfaces: [], metres: 4 },
+  wall: { at: [48, 4], surfaces: [], metres: 12 },
+  sky: { at: [3, 4], surfaces: [], metres: 1e9 },
+  half: { at: [48, 30], surfaces: [[3, glass(0.5)]], metres: 0.5 * 3 + 0.5 * 4 },
+  two: { at: [60, 6], surfaces: [[6, glass(0.25)], [2, glass(0.5)]], metres: 0.5 * 2 + 0.5 * (0.25 * 6 + 0.75 * 12) },
+  map: { at: [36, 58], surfaces: [[3, glass(1, { map: faint })]], metres: 0.2 * 3 + 0.8 * 12 },
+  added: { at: [36, 6], surfaces: [[3, glass(0.5, { blending: THREE.AdditiveBlending })]], metres: 0.5 * 3 + 0.5 * 12 },
+  solid: { at: [48, 58], surfaces: [[3, new THREE.MeshLambertMaterial()]], metres: 3 },
+  clear: { at: [60, 58], surfaces: [[3, new THREE.MeshPhysicalMaterial({ transmission: 0.75 })]], metres: 0.25 * 3 + 0.75 * 12 },
+  shader: { at: [66, 50], surfaces: [[3, new THREE.ShaderMaterial(OWN_OUTPUT)]], metres: 0.5 * 3 + 0.5 * 12 },
+  most: { at: [93, 50], surfaces: [[3, glass(0.6)]], metres: 3 },
+  least: { at: [93, 14], surfaces: [[3, glass(0.4)]], metres: 1e9 },
+};
 
 const thrown = (call) => {
   try {
@@ -85,6 +110,41 @@ window.bokeh = {
       const options = (scenePass) => ({ depthTexture: depthOf(scenePass) });
       return off(drawn(chain(world, options, { between }), 3), direct);
     });
+  },
+
+  // Metres of depthWithOpacity at some pixels, in two frames, behind what is in WEIGHTED; whether the scene has its
+  // materials again, and the textures and programs left when the pass is disposed of
+  weighted(orthographic) {
+    const world = makeScene();
+    const { scene } = world;
+    if (orthographic) world.camera = new THREE.OrthographicCamera(-6, 6, 4, -4, 0.1, 50);
+    const { camera } = world;
+    world.camera.updateMatrixWorld();
+    scene.children.at(-1).scale.x = 0.12; // left and right of the wall is the sky
+    for (const { at, surfaces } of Object.values(WEIGHTED)) {
+      for (const [z, material] of surfaces) {
+        const mesh = new THREE.Mesh(new THREE.PlaneGeometry(0.1 * z, 0.1 * z), material);
+        const towards = new THREE.Vector3(...at.map((value, i) => (2 * value + 1) / SIZE[i] - 1), 0.5).unproject(camera);
+        if (orthographic) mesh.position.set(towards.x, towards.y, -z);
+        else mesh.position.copy(towards.multiplyScalar(-z / towards.z));
+        scene.add(mesh);
+      }
+    }
+    const materials = () => scene.children.map(({ material }) => material?.uuid + Object.hasOwn(material ?? {}, 'uuid'));
+    const before = materials();
+    const plain = chain(world, {});
+    drawn(plain);
+    const made = chain(world, (scenePass) => ({ method: 'paper', depthTexture: depthWithOpacity(scenePass) }));
+    const metres = [1, 2].map(() => {
+      drawn(made);
+      const found = new Float32Array(SIZE[0] * SIZE[1]);
+      renderer.readRenderTargetPixels(made.bokeh.passes[0].target, 0, 0, ...SIZE, found);
+      return Object.values(WEIGHTED).map(({ at: [x, y] }) => found[y * SIZE[0] + x]);
+    });
+    const { length } = renderer.info.programs;
+    made.scenePass.dispose();
+    const wanted = Object.values(WEIGHTED).map(({ metres }) => metres);
+    return { metres, wanted, same: String(before) === String(materials()), freed: length - renderer.info.programs.length };
   },
 
   // Depth of a nested object from a camera in a scaled rig: as focusOn has it, and as the depth buffer does
