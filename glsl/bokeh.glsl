@@ -95,14 +95,19 @@
 //   Presets: define one before this file; in WGSL set both constants. `fetches` are those of colour
 //   and depth per pixel, in the three passes of an exact hexagon; a pixel beside a light takes one
 //   more of depth. `smooth` is the CoC in pixels up to which samples are as close as the spacing.
+//   MOBILE differs from LOW in `layered` only.
 //
 //   preset                  samples    spacing  fetches  smooth
+//   BOKEH_PRESET_MOBILE     5          2.0      28       20
 //   BOKEH_PRESET_LOW        5          2.0      28       20
 //   BOKEH_PRESET_MEDIUM     9          1.5      44       27      the default
 //   BOKEH_PRESET_HIGH       17         1.0      76       34
 //   BOKEH_PRESET_ULTRA      33         1.0      140      66
 
-#if defined(BOKEH_PRESET_LOW)
+#if defined(BOKEH_PRESET_MOBILE)
+#define BOKEH_PRESET_SAMPLES 5
+#define BOKEH_PRESET_SPACING 2.0
+#elif defined(BOKEH_PRESET_LOW)
 #define BOKEH_PRESET_SAMPLES 5
 #define BOKEH_PRESET_SPACING 2.0
 #elif defined(BOKEH_PRESET_MEDIUM)
@@ -120,7 +125,9 @@
 #define BOKEH_PRESET_DEFAULT 1
 #endif
 
-#if defined(BOKEH_PRESET_MEDIUM) && BOKEH_PRESET_SAMPLES < 9
+#if defined(BOKEH_PRESET_MOBILE) && defined(BOKEH_PRESET_LOW)
+#error two presets are defined: keep one
+#elif defined(BOKEH_PRESET_MEDIUM) && BOKEH_PRESET_SAMPLES < 9
 #error two presets are defined: keep one
 #elif defined(BOKEH_PRESET_HIGH) && BOKEH_PRESET_SAMPLES < 17
 #error two presets are defined: keep one

@@ -457,7 +457,7 @@ BokehLayerContext BokehBeginTiles(vec2 uv)
 //   last          as in BokehExactFirst
 BokehTargets BokehLayerPolygon(vec2 uv, int last, BokehPolygon polygon)
 {
-    BokehLayerContext layers = BokehBeginLayers(uv, 2.0, 0.0);
+    BokehLayerContext layers = BokehBeginLayers(uv, float(BOKEH_LAYER_SCALE), 0.0);
     return BokehLayerFirst(BokehColorSamp, BokehColorSampB, BokehLayerCoC(BokehColorSampC,
         layers), BokehLayer > 0.5, last, polygon, layers);
 }
@@ -465,7 +465,7 @@ BokehTargets BokehLayerPolygon(vec2 uv, int last, BokehPolygon polygon)
 // blurs one layer, second pass
 vec4 BokehLayerResult(vec2 uv, BOKEH_TEXTURE Strip5Samp, BokehPolygon polygon)
 {
-    BokehLayerContext layers = BokehBeginLayers(uv, 2.0, 1.0);
+    BokehLayerContext layers = BokehBeginLayers(uv, float(BOKEH_LAYER_SCALE), 1.0);
     return BokehLayerSecond(BokehColorSamp, BokehColorSampB, BokehColorSampC, Strip5Samp,
         BokehLayerCoC(BokehColorSampE, layers), BokehLayer > 0.5, polygon, layers);
 }
@@ -473,7 +473,7 @@ vec4 BokehLayerResult(vec2 uv, BOKEH_TEXTURE Strip5Samp, BokehPolygon polygon)
 // blurs both layers, first pass of a square or a hexagon
 BokehLayersTargets BokehBothPolygons(vec2 uv, int sides)
 {
-    BokehLayerContext layers = BokehBeginLayers(uv, 2.0, 0.0);
+    BokehLayerContext layers = BokehBeginLayers(uv, float(BOKEH_LAYER_SCALE), 0.0);
     return BokehLayersFirst(BokehColorSamp, BokehColorSampB, BokehColorSampC, BokehColorSampD,
         BokehLayerCoC(BokehColorSampE, layers), BokehAperture(uv, sides), layers);
 }
@@ -482,7 +482,7 @@ BokehLayersTargets BokehBothPolygons(vec2 uv, int sides)
 BokehBlurred BokehBothResults(vec2 uv, BOKEH_TEXTURE NearStrip3Samp, BOKEH_TEXTURE FarStrip3Samp,
     int sides)
 {
-    BokehLayerContext layers = BokehBeginLayers(uv, 2.0, 1.0);
+    BokehLayerContext layers = BokehBeginLayers(uv, float(BOKEH_LAYER_SCALE), 1.0);
     return BokehLayersSecond(BokehColorSamp, BokehColorSampB, NearStrip3Samp, FarStrip3Samp,
         BokehLayerCoC(BokehColorSampE, layers), BokehAperture(uv, sides), layers);
 }

@@ -91,8 +91,10 @@
 //   Presets: define one before this file; in WGSL set both constants. `fetches` are those of colour
 //   and depth per pixel, in the three passes of an exact hexagon; a pixel beside a light takes one
 //   more of depth. `smooth` is the CoC in pixels up to which samples are as close as the spacing.
+//   MOBILE differs from LOW in `layered` only.
 //
 //   preset                  samples    spacing  fetches  smooth
+//   BOKEH_PRESET_MOBILE     5          2.0      28       20
 //   BOKEH_PRESET_LOW        5          2.0      28       20
 //   BOKEH_PRESET_MEDIUM     9          1.5      44       27      the default
 //   BOKEH_PRESET_HIGH       17         1.0      76       34

@@ -34,6 +34,8 @@
 //   Composite        1     map, gatherTiles, both blurred   the finished image
 //                          layers, midFill, farFill
 //
+//   With BOKEH_LAYER_SCALE 4, the targets of Prefilter, LayerFirst and LayerSecond have 1/4.
+//
 //   TileDilate runs twice, along rows, then along columns. LayerFirst and LayerSecond run for the
 //   near layer, then for the far one; LayersFirst and LayersSecond blur both layers of a square or
 //   hexagon.
@@ -42,26 +44,30 @@
 // [11] layers
 //
 //   name                    default    range   meaning
-//   BOKEH_LAYER_RINGS       2          1 .. 4  rings of the small gather at full size. It takes one
+//   BOKEH_LAYER_RINGS       2          0 .. 4  rings of the small gather at full size. It takes one
 //                                              more where no layer is in reach (with CUBIC 0, also
 //                                              where layers are small), and where it reaches far
 //   BOKEH_LAYER_SAMPLES     11         2 ..    most samples on an edge of a layer's hexagon; twice
 //                                              as many on a square's, fewer on shorter edges
 //   BOKEH_LAYER_CUBIC       1          0, 1    1: layers are enlarged by five fetches, not by one
+//   BOKEH_LAYER_SCALE       2          2, 4    size of the image / size of a layer; comments that
+//                                              say half size mean the layers' size
 //   BOKEH_MIN_BRIGHTNESS    0.00001    > 0     a darker pixel does not lower the mean brightness of
 //                                              its tile any further
 //
-//   Presets: define one before bokeh.wgsl, or set the constants instead. In WGSL set all three.
+//   Presets: define one before bokeh.wgsl, or set the constants instead. In WGSL set all four.
 //
-//   preset                  rings      samples cubic
-//   BOKEH_PRESET_LOW        1          11      0
-//   BOKEH_PRESET_MEDIUM     2          11      1      the default
-//   BOKEH_PRESET_HIGH       3          18      1
-//   BOKEH_PRESET_ULTRA      4          18      1
+//   preset                  rings      samples cubic  scale
+//   BOKEH_PRESET_MOBILE     0          18      0      4
+//   BOKEH_PRESET_LOW        1          11      0      2
+//   BOKEH_PRESET_MEDIUM     2          11      1      2      the default
+//   BOKEH_PRESET_HIGH       3          18      1      2
+//   BOKEH_PRESET_ULTRA      4          18      1      2
 
 override BOKEH_LAYER_RINGS: i32 = 2;
 override BOKEH_LAYER_SAMPLES: i32 = 11;
 override BOKEH_LAYER_CUBIC: i32 = 1;
+override BOKEH_LAYER_SCALE: i32 = 2;
 const BOKEH_MIN_BRIGHTNESS: f32 = 0.00001;
 
 // Tuned constants: each comment says what goes wrong with another value.
@@ -111,6 +117,10 @@ const BOKEH_TUNED_SQUARE_SIDE: f32 = 0.2;
 // The gather has one more ring where its rings would be wider than this, pixels. With a higher
 // value, a thin bright line shows as a row of copies; a lower one costs fetches.
 const BOKEH_TUNED_RING_WIDTH: f32 = 3.0;
+
+// A gather of a single ring reaches at most this far, pixels. With a higher value, an edge shows as
+// a row of copies; with a lower one, blurs that are in no layer get too small.
+const BOKEH_TUNED_SINGLE_RADIUS: f32 = 6.0;
 
 // Samples of the gather lie at POSITION - rings * STEP of the width of their ring: half-way with
 // two rings. With more rings they lie farther in, or the rotated first ring would get too much
@@ -191,6 +201,12 @@ fn BokehReducedGrid(layers: BokehLayerContext, scale: f32) -> BokehGrid
         grid.texel = 1.0 / ceil(floor(1.0 / layers.texel + 0.5) / scale);
     }
     return grid;
+}
+
+// Layers: returns the grid of the layers' textures
+fn BokehLayerGrid(layers: BokehLayerContext) -> BokehGrid
+{
+    return BokehReducedGrid(layers, f32(BOKEH_LAYER_SCALE));
 }
 
 // Layers: converts a position in the image to texture uv
@@ -408,23 +424,18 @@ fn BokehNearPixel(pixel: vec4f, nearWeight: f32, around: vec4f) -> vec4f
     return result;
 }
 
-// Layers: sorts the pixels into a near and a far layer at half size
-//   Reads the CoC map and dilatedTiles. Writes both layers, and two targets for the passes after
-//   it: layerCoCSums, from which the CoC of each layer follows, and gatherCoC, which says how far
-//   the gather has to reach. Antialiased pixels of near edges hold light of what is behind; if that
-//   is bright, it is removed first, or it would be blurred into a false rim.
-fn BokehPrefilter(MapSamp: texture_2d<f32>, DilatedTilesSamp: texture_2d<f32>,
+// Layers: does the work of BokehPrefilter for 2 x 2 pixels
+//   middle        where they meet, pixels
+//   tile          of dilatedTiles
+fn BokehPrefilterBlock(MapSamp: texture_2d<f32>, middle: vec2f, tile: vec4f,
     layers: BokehLayerContext, BokehLinearClamp: sampler) -> BokehPrefiltered
 {
     let full: BokehGrid = BokehFullGrid(layers);
-    let middle: vec2f = floor(layers.uv * ceil(layers.size / 2.0)) * 2.0 + vec2f(1.0, 1.0);
-    let tile: vec4f = BokehFetchGrid(DilatedTilesSamp, middle / 8.0, BokehReducedGrid(layers, 8.0),
-        BokehLinearClamp);
     let nearSlope: f32 = BokehNearSlope(tile.r);
     let farSlope: f32 = BokehFarSlope(tile.g);
     let inverseBrightness: f32 = exp2(-tile.b);
     let maxWeight: f32 = 500000.0 / max(layers.largest, 50.0);
-    // the four pixels of this texel
+    // the four pixels
     var a: vec4f = BokehFetchGrid(MapSamp, middle + vec2f(-0.5, -0.5), full, BokehLinearClamp);
     var b: vec4f = BokehFetchGrid(MapSamp, middle + vec2f(0.5, -0.5), full, BokehLinearClamp);
     var c: vec4f = BokehFetchGrid(MapSamp, middle + vec2f(-0.5, 0.5), full, BokehLinearClamp);
@@ -488,6 +499,41 @@ fn BokehPrefilter(MapSamp: texture_2d<f32>, DilatedTilesSamp: texture_2d<f32>,
     return targets;
 }
 
+// Layers: sorts the pixels into a near and a far layer at half size
+//   Reads the CoC map and dilatedTiles. Writes both layers, and two targets for the passes after
+//   it: layerCoCSums, from which the CoC of each layer follows, and gatherCoC, which says how far
+//   the gather has to reach. Antialiased pixels of near edges hold light of what is behind; if that
+//   is bright, it is removed first, or it would be blurred into a false rim.
+fn BokehPrefilter(MapSamp: texture_2d<f32>, DilatedTilesSamp: texture_2d<f32>,
+    layers: BokehLayerContext, BokehLinearClamp: sampler) -> BokehPrefiltered
+{
+    let grid: BokehGrid = BokehLayerGrid(layers);
+    let center: vec2f = (floor(layers.uv * grid.size) + 0.5) * f32(BOKEH_LAYER_SCALE);
+    let tile: vec4f = BokehFetchGrid(DilatedTilesSamp, center / 8.0, BokehReducedGrid(layers, 8.0),
+        BokehLinearClamp);
+    var targets: BokehPrefiltered;
+    targets.nearLayer = vec4f(0.0, 0.0, 0.0, 0.0);
+    targets.farLayer = vec4f(0.0, 0.0, 0.0, 0.0);
+    targets.layerCoCSums = vec4f(0.0, 0.0, 0.0, 0.0);
+    targets.gatherCoC = vec4f(0.0, 0.0, 0.0, 1.0);
+    let share: f32 = 4.0 / f32(BOKEH_LAYER_SCALE * BOKEH_LAYER_SCALE);
+    for (var y: i32 = 0; y < BOKEH_LAYER_SCALE / 2; y++)
+    {
+        for (var x: i32 = 0; x < BOKEH_LAYER_SCALE / 2; x++)
+        {
+            let middle: vec2f = center + 2.0 * vec2f(f32(x), f32(y)) + (1.0 - 0.5 *
+                f32(BOKEH_LAYER_SCALE));
+            let block: BokehPrefiltered = BokehPrefilterBlock(MapSamp, middle, tile,
+                layers, BokehLinearClamp);
+            targets.nearLayer += block.nearLayer * share;
+            targets.farLayer += block.farLayer * share;
+            targets.layerCoCSums += block.layerCoCSums * share;
+            targets.gatherCoC = max(targets.gatherCoC, block.gatherCoC);
+        }
+    }
+    return targets;
+}
+
 // Layers: holds what is known of the CoC of a tile, and later of the tiles around it
 //   gatherCoC     rg = the largest
 //   sums          the mean of layerCoCSums
@@ -503,23 +549,25 @@ struct BokehTileSums
 fn BokehLayerCoCReduce(SumsSamp: texture_2d<f32>, GatherCoCSamp: texture_2d<f32>,
     layers: BokehLayerContext, BokehLinearClamp: sampler) -> BokehTileSums
 {
-    let halves: BokehGrid = BokehReducedGrid(layers, 2.0);
-    let first: vec2f = floor(layers.uv * ceil(layers.size / 8.0)) * 4.0 + vec2f(0.5, 0.5);
+    let grid: BokehGrid = BokehLayerGrid(layers);
+    // along a tile
+    let texels: i32 = 8 / BOKEH_LAYER_SCALE;
+    let first: vec2f = floor(layers.uv * ceil(layers.size / 8.0)) * f32(texels) + vec2f(0.5, 0.5);
     var sums: vec4f = vec4f(0.0, 0.0, 0.0, 0.0);
     var gatherCoC: vec2f = vec2f(0.0, 0.0);
-    for (var y: i32 = 0; y < 4; y++)
+    for (var y: i32 = 0; y < texels; y++)
     {
-        for (var x: i32 = 0; x < 4; x++)
+        for (var x: i32 = 0; x < texels; x++)
         {
             let place: vec2f = first + vec2f(f32(x), f32(y));
-            sums += BokehFetchGrid(SumsSamp, place, halves, BokehLinearClamp);
-            gatherCoC = max(gatherCoC, BokehFetchGrid(GatherCoCSamp, place, halves,
+            sums += BokehFetchGrid(SumsSamp, place, grid, BokehLinearClamp);
+            gatherCoC = max(gatherCoC, BokehFetchGrid(GatherCoCSamp, place, grid,
                 BokehLinearClamp).rg);
         }
     }
     var targets: BokehTileSums;
     targets.gatherCoC = vec4f(gatherCoC, 0.0, 1.0);
-    targets.sums = sums / 16.0;
+    targets.sums = sums / f32(texels * texels);
     return targets;
 }
 
@@ -616,7 +664,8 @@ fn BokehLayerCoCColumns(GatherCoCSamp: texture_2d<f32>, SumsSamp: texture_2d<f32
 fn BokehLayerCoC(LayerCoCSamp: texture_2d<f32>, layers: BokehLayerContext,
     BokehLinearClamp: sampler) -> vec2f
 {
-    let place: vec2f = layers.uv * ceil(layers.size / 2.0) / 4.0;
+    let grid: BokehGrid = BokehLayerGrid(layers);
+    let place: vec2f = layers.uv * grid.size * (f32(BOKEH_LAYER_SCALE) / 8.0);
     return BokehFetchGrid(LayerCoCSamp, place, BokehReducedGrid(layers, 8.0), BokehLinearClamp).rg;
 }
 
@@ -642,12 +691,12 @@ struct BokehBlur
 //   layerCoC      from BokehLayerCoC
 fn BokehLayerBlur(layerCoC: vec2f, isFar: bool, polygon: BokehPolygon) -> BokehBlur
 {
-    var CoC: f32 = 0.5 * layerCoC.r;
+    var CoC: f32 = layerCoC.r / f32(BOKEH_LAYER_SCALE);
     var minSpacing: f32 = BOKEH_TUNED_NEAR_QUARTER;
     var selfBlur: f32 = BOKEH_TUNED_NEAR_SELF_BLUR;
     if (isFar)
     {
-        CoC = 0.5 * layerCoC.g;
+        CoC = layerCoC.g / f32(BOKEH_LAYER_SCALE);
         minSpacing = BOKEH_TUNED_FAR_QUARTER;
         selfBlur = clamp(BOKEH_TUNED_FAR_SELF_BLUR * CoC * CoC, BOKEH_TUNED_FAR_SELF_BLUR_MIN,
             BOKEH_TUNED_FAR_SELF_BLUR_MAX);
@@ -680,7 +729,7 @@ fn BokehLayerBlur(layerCoC: vec2f, isFar: bool, polygon: BokehPolygon) -> BokehB
 fn BokehQuarterLayer(LayerSamp: texture_2d<f32>, center: vec2f, side: f32,
     layers: BokehLayerContext, BokehLinearClamp: sampler) -> vec4f
 {
-    let halves: BokehGrid = BokehReducedGrid(layers, 2.0);
+    let grid: BokehGrid = BokehLayerGrid(layers);
     var sum: vec4f = vec4f(0.0, 0.0, 0.0, 0.0);
     if (side > 0.0)
     {
@@ -690,7 +739,7 @@ fn BokehQuarterLayer(LayerSamp: texture_2d<f32>, center: vec2f, side: f32,
             {
                 let offset: vec2f = vec2f(f32(x) - 1.0, f32(y) - 1.0);
                 let weight: vec2f = 1.0 - (1.0 - side) * abs(offset);
-                sum += BokehFetchGrid(LayerSamp, center + 2.0 * offset, halves, BokehLinearClamp) *
+                sum += BokehFetchGrid(LayerSamp, center + 2.0 * offset, grid, BokehLinearClamp) *
                     (weight.x * weight.y);
             }
         }
@@ -698,7 +747,7 @@ fn BokehQuarterLayer(LayerSamp: texture_2d<f32>, center: vec2f, side: f32,
     }
     else
     {
-        sum = BokehFetchGrid(LayerSamp, center, halves, BokehLinearClamp);
+        sum = BokehFetchGrid(LayerSamp, center, grid, BokehLinearClamp);
     }
     return sum;
 }
@@ -749,7 +798,7 @@ fn BokehDownsample(MapSamp: texture_2d<f32>, DilatedTilesSamp: texture_2d<f32>,
             far += vec4f(pixel.rgb, 1.0) * (weight * farWeight);
         }
     }
-    let center: vec2f = 0.5 * middlePlace;
+    let center: vec2f = middlePlace / f32(BOKEH_LAYER_SCALE);
     let layerCoC: vec2f = BokehLayerCoC(LayerCoCSamp, layers, BokehLinearClamp);
     var targets: BokehDownsampled;
     targets.midWithHoles = mid / 16.0;
@@ -880,7 +929,7 @@ fn BokehLayerLine(tex: texture_2d<f32>, QuarterSamp: texture_2d<f32>, k: i32, po
     secondPass: bool, blur: BokehBlur, layers: BokehLayerContext,
         BokehLinearClamp: sampler) -> vec4f
 {
-    var scale: f32 = 2.0;
+    var scale: f32 = f32(BOKEH_LAYER_SCALE);
     if (blur.useQuarterLayer)
     {
         scale = 4.0;
@@ -889,9 +938,10 @@ fn BokehLayerLine(tex: texture_2d<f32>, QuarterSamp: texture_2d<f32>, k: i32, po
     let segment: vec4f = BokehEdgeLine(k, polygon, secondPass) * blur.CoC;
     let samples: f32 = max(2.0 * length(segment.zw) / blur.spacing, 2.0);
     let phase: f32 = 0.5 + layers.jitter * min(blur.spacing - 1.0, 1.0);
-    let first: vec2f = (layers.uv * ceil(layers.size / 2.0) + segment.xy - segment.zw) * (2.0 /
-        scale);
-    let sampleStep: vec2f = segment.zw * (4.0 / (scale * samples));
+    let layerGrid: BokehGrid = BokehLayerGrid(layers);
+    let first: vec2f = (layers.uv * layerGrid.size + segment.xy - segment.zw) *
+        (f32(BOKEH_LAYER_SCALE) / scale);
+    let sampleStep: vec2f = segment.zw * (2.0 * f32(BOKEH_LAYER_SCALE) / (scale * samples));
     var sum: vec4f = vec4f(0.0, 0.0, 0.0, 0.0);
     for (var i: i32 = 0; i < i32(ceil(samples)); i++)
     {
@@ -937,7 +987,8 @@ fn BokehLayerFirst(LayerSamp: texture_2d<f32>, QuarterSamp: texture_2d<f32>, lay
     isFar: bool, last: i32, polygon: BokehPolygon, layers: BokehLayerContext,
     BokehLinearClamp: sampler) -> BokehTargets
 {
-    let center: vec2f = layers.uv * ceil(layers.size / 2.0);
+    let grid: BokehGrid = BokehLayerGrid(layers);
+    let center: vec2f = layers.uv * grid.size;
     let zero: vec4f = vec4f(0.0, 0.0, 0.0, 0.0);
     var targets: BokehTargets;
     let blur: BokehBlur = BokehLayerBlur(layerCoC, isFar, polygon);
@@ -970,8 +1021,7 @@ fn BokehLayerFirst(LayerSamp: texture_2d<f32>, QuarterSamp: texture_2d<f32>, lay
     }
     else
     {
-        targets.strip2 = BokehFetchGrid(LayerSamp, center, BokehReducedGrid(layers, 2.0),
-            BokehLinearClamp);
+        targets.strip2 = BokehFetchGrid(LayerSamp, center, grid, BokehLinearClamp);
         targets.strip3 = targets.strip2;
         targets.strip4 = targets.strip2;
         targets.strip5 = targets.strip2;
@@ -988,7 +1038,8 @@ fn BokehLayerSecond(Strip2Samp: texture_2d<f32>, Strip3Samp: texture_2d<f32>,
     Strip4Samp: texture_2d<f32>, Strip5Samp: texture_2d<f32>, layerCoC: vec2f, isFar: bool,
     polygon: BokehPolygon, layers: BokehLayerContext, BokehLinearClamp: sampler) -> vec4f
 {
-    let center: vec2f = layers.uv * ceil(layers.size / 2.0);
+    let grid: BokehGrid = BokehLayerGrid(layers);
+    let center: vec2f = layers.uv * grid.size;
     var result: vec4f = vec4f(0.0, 0.0, 0.0, 0.0);
     var blur: BokehBlur = BokehLayerBlur(layerCoC, isFar, polygon);
     blur.useQuarterLayer = false;
@@ -1015,8 +1066,7 @@ fn BokehLayerSecond(Strip2Samp: texture_2d<f32>, Strip3Samp: texture_2d<f32>,
     }
     else
     {
-        result = BokehFetchGrid(Strip2Samp, center, BokehReducedGrid(layers, 2.0),
-            BokehLinearClamp);
+        result = BokehFetchGrid(Strip2Samp, center, grid, BokehLinearClamp);
     }
     return result;
 }
@@ -1083,7 +1133,7 @@ fn BokehLayersSecond(NearStrip2Samp: texture_2d<f32>, FarStrip2Samp: texture_2d<
 //            b          w3
 //
 //   place         texels of the half size
-fn BokehFetchLayer(LayerSamp: texture_2d<f32>, place: vec2f, halves: BokehGrid,
+fn BokehFetchLayer(LayerSamp: texture_2d<f32>, place: vec2f, grid: BokehGrid,
     BokehLinearClamp: sampler) -> vec4f
 {
     var result: vec4f = vec4f(0.0, 0.0, 0.0, 0.0);
@@ -1096,14 +1146,14 @@ fn BokehFetchLayer(LayerSamp: texture_2d<f32>, place: vec2f, halves: BokehGrid,
         let w3: vec2f = f * f * (0.5 * f - 0.5);
         let w12: vec2f = 1.0 - w0 - w3;
         let inner: vec2f = texel + w2 / w12;
-        let c: vec4f = BokehFetchGrid(LayerSamp, inner, halves, BokehLinearClamp);
-        let l: vec4f = BokehFetchGrid(LayerSamp, vec2f(texel.x - 1.0, inner.y), halves,
+        let c: vec4f = BokehFetchGrid(LayerSamp, inner, grid, BokehLinearClamp);
+        let l: vec4f = BokehFetchGrid(LayerSamp, vec2f(texel.x - 1.0, inner.y), grid,
             BokehLinearClamp);
-        let r: vec4f = BokehFetchGrid(LayerSamp, vec2f(texel.x + 2.0, inner.y), halves,
+        let r: vec4f = BokehFetchGrid(LayerSamp, vec2f(texel.x + 2.0, inner.y), grid,
             BokehLinearClamp);
-        let t: vec4f = BokehFetchGrid(LayerSamp, vec2f(inner.x, texel.y - 1.0), halves,
+        let t: vec4f = BokehFetchGrid(LayerSamp, vec2f(inner.x, texel.y - 1.0), grid,
             BokehLinearClamp);
-        let b: vec4f = BokehFetchGrid(LayerSamp, vec2f(inner.x, texel.y + 2.0), halves,
+        let b: vec4f = BokehFetchGrid(LayerSamp, vec2f(inner.x, texel.y + 2.0), grid,
             BokehLinearClamp);
         let side: vec2f = w12.yx / (w12.x * w12.y + (w0.x + w3.x) * w12.y + (w0.y + w3.y) * w12.x);
         let sum: vec4f = c * (w12.x * side.x) + l * (w0.x * side.x) + r * (w3.x * side.x) + t *
@@ -1112,7 +1162,7 @@ fn BokehFetchLayer(LayerSamp: texture_2d<f32>, place: vec2f, halves: BokehGrid,
     }
     else
     {
-        result = BokehFetchGrid(LayerSamp, place, halves, BokehLinearClamp);
+        result = BokehFetchGrid(LayerSamp, place, grid, BokehLinearClamp);
     }
     return result;
 }
@@ -1254,8 +1304,8 @@ fn BokehGatherTo(before: BokehGather, MapSamp: texture_2d<f32>, ring: i32, densi
     let outer: f32 = min(BokehRingBorder(ring, rings), end);
     if (ring <= BOKEH_LAYER_RINGS + 1 && gather.inner < outer)
     {
-        gather = BokehGatherRing(gather, MapSamp, ring, BokehSamplesPerEdge(min(density,
-            BOKEH_LAYER_RINGS), polygon), outer, polygon, layers, BokehLinearClamp);
+        gather = BokehGatherRing(gather, MapSamp, ring, BokehSamplesPerEdge(max(min(density,
+            BOKEH_LAYER_RINGS), 1), polygon), outer, polygon, layers, BokehLinearClamp);
     }
     return gather;
 }
@@ -1281,13 +1331,14 @@ fn BokehComposite(MapSamp: texture_2d<f32>, GatherTilesSamp: texture_2d<f32>,
     let tile: vec4f = BokehFetchGrid(GatherTilesSamp, center / 8.0, BokehReducedGrid(layers, 8.0),
         BokehLinearClamp);
     var result: vec3f = centerPixel.rgb;
-    let halves: BokehGrid = BokehReducedGrid(layers, 2.0);
+    let grid: BokehGrid = BokehLayerGrid(layers);
     var nearLayer: vec4f = vec4f(0.0, 0.0, 0.0, 0.0);
     // only where BOKEH_SIDES is defined: shader model 3 has too few registers to keep the layer
     // during the gather
     if (BOKEH_SIDES > 0 && tile.r > BOKEH_TUNED_NEAR_START)
     {
-        nearLayer = BokehFetchLayer(NearSamp, 0.5 * center, halves, BokehLinearClamp);
+        nearLayer = BokehFetchLayer(NearSamp, center / f32(BOKEH_LAYER_SCALE), grid,
+            BokehLinearClamp);
     }
     // copy the input if nothing within reach is blurred by more than a pixel; a near layer may hide
     // everything else
@@ -1304,7 +1355,11 @@ fn BokehComposite(MapSamp: texture_2d<f32>, GatherTilesSamp: texture_2d<f32>,
         // the gather reaches as far as the CoC of pixels in neither layer
         let restRadius: f32 = clamp(16.0 - 16.0 * farWeight, 0.0, 1.0) * (1.0 - nearWeight) /
             sqrt(gather.inverse);
-        let radius: f32 = max(max(restRadius, 0.01), 0.5 * max(tile.b, tile.a * farWeight));
+        var radius: f32 = max(max(restRadius, 0.01), 0.5 * max(tile.b, tile.a * farWeight));
+        if (BOKEH_LAYER_RINGS == 0)
+        {
+            radius = min(radius, BOKEH_TUNED_SINGLE_RADIUS);
+        }
         var ringLayout: BokehRingLayout;
         ringLayout.radius = radius;
         ringLayout.narrowing = clamp(radius / max(restRadius, 1.0) - 1.0, 0.0, 1.0);
@@ -1354,17 +1409,23 @@ fn BokehComposite(MapSamp: texture_2d<f32>, GatherTilesSamp: texture_2d<f32>,
         if (BOKEH_SIDES > 0)
         {
             // each ring has a call of its own: its number of samples is then known, and compilers
-            // unroll its loops
-            gather = BokehGatherTo(gather, MapSamp, 1, 1, lastInner, ringLayout, polygon,
-                layers, BokehLinearClamp);
-            gather = BokehGatherTo(gather, MapSamp, 2, 2, lastInner, ringLayout, polygon,
-                layers, BokehLinearClamp);
-            gather = BokehGatherTo(gather, MapSamp, 3, 3, lastInner, ringLayout, polygon,
-                layers, BokehLinearClamp);
-            gather = BokehGatherTo(gather, MapSamp, 4, 4, lastInner, ringLayout, polygon,
-                layers, BokehLinearClamp);
-            gather = BokehGatherTo(gather, MapSamp, 5, 5, lastInner, ringLayout, polygon,
-                layers, BokehLinearClamp);
+            // unroll its loops; up to a preset of one ring, the last call takes the additional one
+            if (BOKEH_LAYER_RINGS > 0)
+            {
+                gather = BokehGatherTo(gather, MapSamp, 1, 1, lastInner, ringLayout, polygon,
+                    layers, BokehLinearClamp);
+            }
+            if (BOKEH_LAYER_RINGS > 1)
+            {
+                gather = BokehGatherTo(gather, MapSamp, 2, 2, lastInner, ringLayout, polygon,
+                    layers, BokehLinearClamp);
+                gather = BokehGatherTo(gather, MapSamp, 3, 3, lastInner, ringLayout, polygon,
+                    layers, BokehLinearClamp);
+                gather = BokehGatherTo(gather, MapSamp, 4, 4, lastInner, ringLayout, polygon,
+                    layers, BokehLinearClamp);
+                gather = BokehGatherTo(gather, MapSamp, 5, 5, lastInner, ringLayout, polygon,
+                    layers, BokehLinearClamp);
+            }
             // the last ring of a wide gather, with few samples
             gather = BokehGatherTo(gather, MapSamp, BOKEH_LAYER_RINGS + 1, 1, radius, ringLayout,
                 polygon, layers, BokehLinearClamp);
@@ -1377,7 +1438,7 @@ fn BokehComposite(MapSamp: texture_2d<f32>, GatherTilesSamp: texture_2d<f32>,
                 {
                     break;
                 }
-                var density: i32 = min(ring, BOKEH_LAYER_RINGS);
+                var density: i32 = max(min(ring, BOKEH_LAYER_RINGS), 1);
                 if (f32(ring) > denseRings)
                 {
                     density = 1;
@@ -1393,9 +1454,11 @@ fn BokehComposite(MapSamp: texture_2d<f32>, GatherTilesSamp: texture_2d<f32>,
         {
             if (BOKEH_SIDES == 0)
             {
-                nearLayer = BokehFetchLayer(NearSamp, 0.5 * center, halves, BokehLinearClamp);
+                nearLayer = BokehFetchLayer(NearSamp, center / f32(BOKEH_LAYER_SCALE), grid,
+                    BokehLinearClamp);
             }
-            farLayer = BokehFetchLayer(FarSamp, 0.5 * center, halves, BokehLinearClamp);
+            farLayer = BokehFetchLayer(FarSamp, center / f32(BOKEH_LAYER_SCALE), grid,
+                BokehLinearClamp);
         }
         let quarters: BokehGrid = BokehReducedGrid(layers, 4.0);
         // 1 at near pixels; at far pixels it grows with the coverage of the blurred near layer

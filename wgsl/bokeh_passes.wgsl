@@ -345,7 +345,7 @@ fn BokehBeginTiles(uv: vec2f) -> BokehLayerContext
 //   last          as in BokehExactFirst
 fn BokehLayerPolygon(uv: vec2f, last: i32, polygon: BokehPolygon) -> BokehTargets
 {
-    let layers: BokehLayerContext = BokehBeginLayers(uv, 2.0, 0.0);
+    let layers: BokehLayerContext = BokehBeginLayers(uv, f32(BOKEH_LAYER_SCALE), 0.0);
     return BokehLayerFirst(BokehColorSamp, BokehColorSampB, BokehLayerCoC(BokehColorSampC, layers,
         BokehLinearClamp), bokehParameters.BokehLayer > 0.5, last, polygon, layers,
         BokehLinearClamp);
@@ -354,7 +354,7 @@ fn BokehLayerPolygon(uv: vec2f, last: i32, polygon: BokehPolygon) -> BokehTarget
 // blurs one layer, second pass
 fn BokehLayerResult(uv: vec2f, Strip5Samp: texture_2d<f32>, polygon: BokehPolygon) -> vec4f
 {
-    let layers: BokehLayerContext = BokehBeginLayers(uv, 2.0, 1.0);
+    let layers: BokehLayerContext = BokehBeginLayers(uv, f32(BOKEH_LAYER_SCALE), 1.0);
     return BokehLayerSecond(BokehColorSamp, BokehColorSampB, BokehColorSampC, Strip5Samp,
         BokehLayerCoC(BokehColorSampE, layers, BokehLinearClamp), bokehParameters.BokehLayer >
         0.5, polygon, layers, BokehLinearClamp);
@@ -363,7 +363,7 @@ fn BokehLayerResult(uv: vec2f, Strip5Samp: texture_2d<f32>, polygon: BokehPolygo
 // blurs both layers, first pass of a square or a hexagon
 fn BokehBothPolygons(uv: vec2f, sides: i32) -> BokehLayersTargets
 {
-    let layers: BokehLayerContext = BokehBeginLayers(uv, 2.0, 0.0);
+    let layers: BokehLayerContext = BokehBeginLayers(uv, f32(BOKEH_LAYER_SCALE), 0.0);
     return BokehLayersFirst(BokehColorSamp, BokehColorSampB, BokehColorSampC, BokehColorSampD,
         BokehLayerCoC(BokehColorSampE, layers, BokehLinearClamp), BokehAperture(uv, sides),
         layers, BokehLinearClamp);
@@ -373,7 +373,7 @@ fn BokehBothPolygons(uv: vec2f, sides: i32) -> BokehLayersTargets
 fn BokehBothResults(uv: vec2f, NearStrip3Samp: texture_2d<f32>, FarStrip3Samp: texture_2d<f32>,
     sides: i32) -> BokehBlurred
 {
-    let layers: BokehLayerContext = BokehBeginLayers(uv, 2.0, 1.0);
+    let layers: BokehLayerContext = BokehBeginLayers(uv, f32(BOKEH_LAYER_SCALE), 1.0);
     return BokehLayersSecond(BokehColorSamp, BokehColorSampB, NearStrip3Samp, FarStrip3Samp,
         BokehLayerCoC(BokehColorSampE, layers, BokehLinearClamp), BokehAperture(uv, sides),
         layers, BokehLinearClamp);

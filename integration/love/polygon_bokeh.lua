@@ -177,7 +177,7 @@ end
 --   method   "layered": near objects spread over what is behind them; "exact": each pixel by its own circle of
 --            confusion, fewer passes
 --   sides    6; or 4, 8, 10
---   preset   "MEDIUM"; or "LOW", "HIGH", "ULTRA"
+--   preset   "MEDIUM"; or "MOBILE", "LOW", "HIGH", "ULTRA"
 --   view     "depth", "coc" (circle of confusion) or "focus" (near and far field), to look at in place of the result
 function PolygonBokeh.new(library, width, height, options)
   options = options or {}
@@ -207,6 +207,9 @@ end
 -- Shader and canvases of a row
 function PolygonBokeh:newPass(row)
   local writes, scale, call, returned = unpack(row)
+  if self.values.preset == "MOBILE" and scale == 2 then
+    scale = 4 -- the table has layers of half size, and those of MOBILE have a quarter
+  end
   local pass, values = { targets = {}, reads = namesIn(call, self.textures) }, self.values
   values.reads, values.write = table.concat(pass.reads, ", "), store(call, returned)
   pass.shader = love.graphics.newShader(PIXEL:gsub("%$(%a+)", values), VERTEX)

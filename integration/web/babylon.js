@@ -133,7 +133,7 @@ export class PolygonBokeh extends withLens(PostProcess) {
   //   method   'layered': near objects spread over what is behind them; 'exact': each pixel by its own circle of
   //            confusion, fewer passes
   //   sides    4, 6, 8 or 10
-  //   preset   'LOW', 'MEDIUM', 'HIGH' or 'ULTRA'
+  //   preset   'MOBILE', 'LOW', 'MEDIUM', 'HIGH' or 'ULTRA'
   //   opaque   false: alpha is the signed circle of confusion in the end too. A canvas would take it for transparency.
   //   extras   common.js
   //   view     'depth', 'coc' (circle of confusion) or 'focus' (near and far field), to look at in place of the result

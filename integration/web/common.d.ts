@@ -2,7 +2,7 @@
  * own circle of confusion in fewer passes, `paper` is McIntosh's own. */
 export type Method = 'layered' | 'exact' | 'paper';
 export type Sides = 4 | 6 | 8 | 10;
-export type Preset = 'LOW' | 'MEDIUM' | 'HIGH' | 'ULTRA';
+export type Preset = 'MOBILE' | 'LOW' | 'MEDIUM' | 'HIGH' | 'ULTRA';
 /** What costs something only where it is asked for, each with its uniforms. */
 export type Extra = 'jitter' | 'catsEye' | 'lateral' | 'focusRange';
 

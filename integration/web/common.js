@@ -6,7 +6,7 @@
 export const CHOICES = {
   method: ['layered', 'exact', 'paper'],
   sides: [6, 4, 8, 10],
-  preset: ['MEDIUM', 'LOW', 'HIGH', 'ULTRA'],
+  preset: ['MEDIUM', 'MOBILE', 'LOW', 'HIGH', 'ULTRA'],
   opaque: [true, false],
   extras: [],
 };

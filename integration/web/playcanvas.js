@@ -238,7 +238,7 @@ export class PolygonBokehFrame extends CameraFrame {
   //   method   'layered': near objects spread over what is behind them; 'exact': each pixel by its own circle of
   //            confusion, fewer passes; 'paper': lines and min, a target less
   //   sides    6 or 8; layered and exact have 4 and 10 as well
-  //   preset   'LOW', 'MEDIUM', 'HIGH' or 'ULTRA'
+  //   preset   'MOBILE', 'LOW', 'MEDIUM', 'HIGH' or 'ULTRA'
   //   opaque   false: alpha is the circle of confusion in the end too, signed but for paper. A canvas would take it for
   //            transparency.
   //   extras   common.js

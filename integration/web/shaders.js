@@ -3,7 +3,10 @@
 
 export const GLSL = {
   bokeh: `
-#if defined(BOKEH_PRESET_LOW)
+#if defined(BOKEH_PRESET_MOBILE)
+#define BOKEH_PRESET_SAMPLES 5
+#define BOKEH_PRESET_SPACING 2.0
+#elif defined(BOKEH_PRESET_LOW)
 #define BOKEH_PRESET_SAMPLES 5
 #define BOKEH_PRESET_SPACING 2.0
 #elif defined(BOKEH_PRESET_MEDIUM)
@@ -20,7 +23,9 @@ export const GLSL = {
 #define BOKEH_PRESET_SPACING 1.5
 #define BOKEH_PRESET_DEFAULT 1
 #endif
-#if defined(BOKEH_PRESET_MEDIUM) && BOKEH_PRESET_SAMPLES < 9
+#if defined(BOKEH_PRESET_MOBILE) && defined(BOKEH_PRESET_LOW)
+#error two presets are defined: keep one
+#elif defined(BOKEH_PRESET_MEDIUM) && BOKEH_PRESET_SAMPLES < 9
 #error two presets are defined: keep one
 #elif defined(BOKEH_PRESET_HIGH) && BOKEH_PRESET_SAMPLES < 17
 #error two presets are defined: keep one
@@ -840,26 +845,37 @@ return BokehResolve(color,totalWeight,centerPixel,blurCoC);
 #error put bokeh.glsl before bokeh_layers.glsl
 #endif
 #define BOKEH_LAYERS 1
-#if defined(BOKEH_PRESET_LOW)
+#if defined(BOKEH_PRESET_MOBILE)
+#define BOKEH_PRESET_RINGS 0
+#define BOKEH_PRESET_LAYER_SAMPLES 18
+#define BOKEH_PRESET_CUBIC 0
+#define BOKEH_PRESET_SCALE 4
+#elif defined(BOKEH_PRESET_LOW)
 #define BOKEH_PRESET_RINGS 1
 #define BOKEH_PRESET_LAYER_SAMPLES 11
 #define BOKEH_PRESET_CUBIC 0
+#define BOKEH_PRESET_SCALE 2
 #elif defined(BOKEH_PRESET_HIGH)
 #define BOKEH_PRESET_RINGS 3
 #define BOKEH_PRESET_LAYER_SAMPLES 18
 #define BOKEH_PRESET_CUBIC 1
+#define BOKEH_PRESET_SCALE 2
 #elif defined(BOKEH_PRESET_ULTRA)
 #define BOKEH_PRESET_RINGS 4
 #define BOKEH_PRESET_LAYER_SAMPLES 18
 #define BOKEH_PRESET_CUBIC 1
+#define BOKEH_PRESET_SCALE 2
 #else
 #define BOKEH_PRESET_RINGS 2
 #define BOKEH_PRESET_LAYER_SAMPLES 11
 #define BOKEH_PRESET_CUBIC 1
+#define BOKEH_PRESET_SCALE 2
 #endif
 #ifndef BOKEH_PRESET_DEFAULT
 #if defined(BOKEH_LAYER_RINGS) || defined(BOKEH_LAYER_SAMPLES) || defined(BOKEH_LAYER_CUBIC)
 #error a preset sets BOKEH_LAYER_RINGS, _SAMPLES and _CUBIC: define it or them, not both
+#elif defined(BOKEH_LAYER_SCALE)
+#error a preset sets BOKEH_LAYER_SCALE: define it or them, not both
 #endif
 #endif
 #ifndef BOKEH_LAYER_RINGS
@@ -870,6 +886,9 @@ return BokehResolve(color,totalWeight,centerPixel,blurCoC);
 #endif
 #ifndef BOKEH_LAYER_CUBIC
 #define BOKEH_LAYER_CUBIC BOKEH_PRESET_CUBIC
+#endif
+#ifndef BOKEH_LAYER_SCALE
+#define BOKEH_LAYER_SCALE BOKEH_PRESET_SCALE
 #endif
 #ifndef BOKEH_MIN_BRIGHTNESS
 #define BOKEH_MIN_BRIGHTNESS 0.00001
@@ -889,6 +908,7 @@ return BokehResolve(color,totalWeight,centerPixel,blurCoC);
 #define BOKEH_TUNED_HEXAGON_SIDE 0.4
 #define BOKEH_TUNED_SQUARE_SIDE 0.2
 #define BOKEH_TUNED_RING_WIDTH 3.0
+#define BOKEH_TUNED_SINGLE_RADIUS 6.0
 #define BOKEH_TUNED_RING_POSITION 0.58
 #define BOKEH_TUNED_RING_STEP 0.04
 #define BOKEH_TUNED_PIXEL_BLUR 0.6
@@ -938,6 +958,10 @@ if(BOKEH_VIEWPORT > 0)
 grid.texel=1.0/ceil(floor(1.0/layers.texel+0.5)/scale);
 }
 return grid;
+}
+BokehGrid BokehLayerGrid(BokehLayerContext layers)
+{
+return BokehReducedGrid(layers,float(BOKEH_LAYER_SCALE));
 }
 vec2 BokehGridCoords(vec2 place,BokehGrid grid)
 {
@@ -1071,12 +1095,10 @@ result=vec4(result.rgb,nearWeight*(around.a-brightest)/(around.a-limit));
 }
 return result;
 }
-BokehPrefiltered BokehPrefilter(BOKEH_TEXTURE MapSamp,BOKEH_TEXTURE DilatedTilesSamp,
+BokehPrefiltered BokehPrefilterBlock(BOKEH_TEXTURE MapSamp,vec2 middle,vec4 tile,
 BokehLayerContext layers)
 {
 BokehGrid full=BokehFullGrid(layers);
-vec2 middle=floor(layers.uv*ceil(layers.size/2.0))*2.0+vec2(1.0,1.0);
-vec4 tile=BokehFetchGrid(DilatedTilesSamp,middle/8.0,BokehReducedGrid(layers,8.0));
 float nearSlope=BokehNearSlope(tile.r);
 float farSlope=BokehFarSlope(tile.g);
 float inverseBrightness=exp2(-tile.b);
@@ -1137,6 +1159,33 @@ targets.layerCoCSums=min(sums*0.25,vec4(maxValue,maxValue,maxValue,maxValue));
 targets.gatherCoC=vec4(clamp(gatherCoC,vec2(0.0,0.0),vec2(maxValue,maxValue)),0.0,1.0);
 return targets;
 }
+BokehPrefiltered BokehPrefilter(BOKEH_TEXTURE MapSamp,BOKEH_TEXTURE DilatedTilesSamp,
+BokehLayerContext layers)
+{
+BokehGrid grid=BokehLayerGrid(layers);
+vec2 center=(floor(layers.uv*grid.size)+0.5)*float(BOKEH_LAYER_SCALE);
+vec4 tile=BokehFetchGrid(DilatedTilesSamp,center/8.0,BokehReducedGrid(layers,8.0));
+BokehPrefiltered targets;
+targets.nearLayer=vec4(0.0,0.0,0.0,0.0);
+targets.farLayer=vec4(0.0,0.0,0.0,0.0);
+targets.layerCoCSums=vec4(0.0,0.0,0.0,0.0);
+targets.gatherCoC=vec4(0.0,0.0,0.0,1.0);
+float share=4.0/float(BOKEH_LAYER_SCALE*BOKEH_LAYER_SCALE);
+for(int y=0;y < BOKEH_LAYER_SCALE/2;y++)
+{
+for(int x=0;x < BOKEH_LAYER_SCALE/2;x++)
+{
+vec2 middle=center+2.0*vec2(float(x),float(y))+(1.0-0.5 *
+float(BOKEH_LAYER_SCALE));
+BokehPrefiltered block=BokehPrefilterBlock(MapSamp,middle,tile,layers);
+targets.nearLayer+=block.nearLayer*share;
+targets.farLayer+=block.farLayer*share;
+targets.layerCoCSums+=block.layerCoCSums*share;
+targets.gatherCoC=max(targets.gatherCoC,block.gatherCoC);
+}
+}
+return targets;
+}
 struct BokehTileSums
 {
 vec4 gatherCoC;
@@ -1145,22 +1194,23 @@ vec4 sums;
 BokehTileSums BokehLayerCoCReduce(BOKEH_TEXTURE SumsSamp,BOKEH_TEXTURE GatherCoCSamp,
 BokehLayerContext layers)
 {
-BokehGrid halves=BokehReducedGrid(layers,2.0);
-vec2 first=floor(layers.uv*ceil(layers.size/8.0))*4.0+vec2(0.5,0.5);
+BokehGrid grid=BokehLayerGrid(layers);
+int texels=8/BOKEH_LAYER_SCALE;
+vec2 first=floor(layers.uv*ceil(layers.size/8.0))*float(texels)+vec2(0.5,0.5);
 vec4 sums=vec4(0.0,0.0,0.0,0.0);
 vec2 gatherCoC=vec2(0.0,0.0);
-for(int y=0;y < 4;y++)
+for(int y=0;y < texels;y++)
 {
-for(int x=0;x < 4;x++)
+for(int x=0;x < texels;x++)
 {
 vec2 place=first+vec2(float(x),float(y));
-sums+=BokehFetchGrid(SumsSamp,place,halves);
-gatherCoC=max(gatherCoC,BokehFetchGrid(GatherCoCSamp,place,halves).rg);
+sums+=BokehFetchGrid(SumsSamp,place,grid);
+gatherCoC=max(gatherCoC,BokehFetchGrid(GatherCoCSamp,place,grid).rg);
 }
 }
 BokehTileSums targets;
 targets.gatherCoC=vec4(gatherCoC,0.0,1.0);
-targets.sums=sums/16.0;
+targets.sums=sums/float(texels*texels);
 return targets;
 }
 BokehTileSums BokehLayerCoCAlong(BOKEH_TEXTURE GatherCoCSamp,BOKEH_TEXTURE SumsSamp,
@@ -1227,7 +1277,8 @@ return targets;
 }
 vec2 BokehLayerCoC(BOKEH_TEXTURE LayerCoCSamp,BokehLayerContext layers)
 {
-vec2 place=layers.uv*ceil(layers.size/2.0)/4.0;
+BokehGrid grid=BokehLayerGrid(layers);
+vec2 place=layers.uv*grid.size*(float(BOKEH_LAYER_SCALE)/8.0);
 return BokehFetchGrid(LayerCoCSamp,place,BokehReducedGrid(layers,8.0)).rg;
 }
 struct BokehBlur
@@ -1239,12 +1290,12 @@ float sideTap;
 };
 BokehBlur BokehLayerBlur(vec2 layerCoC,bool isFar,BokehPolygon polygon)
 {
-float CoC=0.5*layerCoC.r;
+float CoC=layerCoC.r/float(BOKEH_LAYER_SCALE);
 float minSpacing=BOKEH_TUNED_NEAR_QUARTER;
 float selfBlur=BOKEH_TUNED_NEAR_SELF_BLUR;
 if(isFar)
 {
-CoC=0.5*layerCoC.g;
+CoC=layerCoC.g/float(BOKEH_LAYER_SCALE);
 minSpacing=BOKEH_TUNED_FAR_QUARTER;
 selfBlur=clamp(BOKEH_TUNED_FAR_SELF_BLUR*CoC*CoC,BOKEH_TUNED_FAR_SELF_BLUR_MIN,
 BOKEH_TUNED_FAR_SELF_BLUR_MAX);
@@ -1270,7 +1321,7 @@ return blur;
 }
 vec4 BokehQuarterLayer(BOKEH_TEXTURE LayerSamp,vec2 center,float side,BokehLayerContext layers)
 {
-BokehGrid halves=BokehReducedGrid(layers,2.0);
+BokehGrid grid=BokehLayerGrid(layers);
 vec4 sum=vec4(0.0,0.0,0.0,0.0);
 if(side > 0.0)
 {
@@ -1280,7 +1331,7 @@ for(int x=0;x < 3;x++)
 {
 vec2 offset=vec2(float(x)-1.0,float(y)-1.0);
 vec2 weight=1.0-(1.0-side)*abs(offset);
-sum+=BokehFetchGrid(LayerSamp,center+2.0*offset,halves)*(weight.x *
+sum+=BokehFetchGrid(LayerSamp,center+2.0*offset,grid)*(weight.x *
 weight.y);
 }
 }
@@ -1288,7 +1339,7 @@ sum=sum/((1.0+2.0*side)*(1.0+2.0*side));
 }
 else
 {
-sum=BokehFetchGrid(LayerSamp,center,halves);
+sum=BokehFetchGrid(LayerSamp,center,grid);
 }
 return sum;
 }
@@ -1327,7 +1378,7 @@ mid+=vec4(pixel.rgb,1.0)*(weight*(1.0-farWeight));
 far+=vec4(pixel.rgb,1.0)*(weight*farWeight);
 }
 }
-vec2 center=0.5*middlePlace;
+vec2 center=middlePlace/float(BOKEH_LAYER_SCALE);
 vec2 layerCoC=BokehLayerCoC(LayerCoCSamp,layers);
 BokehDownsampled targets;
 targets.midWithHoles=mid/16.0;
@@ -1415,7 +1466,7 @@ return targets;
 vec4 BokehLayerLine(BOKEH_TEXTURE tex,BOKEH_TEXTURE QuarterSamp,int k,BokehPolygon polygon,
 bool secondPass,BokehBlur blur,BokehLayerContext layers)
 {
-float scale=2.0;
+float scale=float(BOKEH_LAYER_SCALE);
 if(blur.useQuarterLayer)
 {
 scale=4.0;
@@ -1424,8 +1475,10 @@ BokehGrid grid=BokehReducedGrid(layers,scale);
 vec4 segment=BokehEdgeLine(k,polygon,secondPass)*blur.CoC;
 float samples=max(2.0*length(segment.zw)/blur.spacing,2.0);
 float phase=0.5+layers.jitter*min(blur.spacing-1.0,1.0);
-vec2 first=(layers.uv*ceil(layers.size/2.0)+segment.xy-segment.zw)*(2.0/scale);
-vec2 sampleStep=segment.zw*(4.0/(scale*samples));
+BokehGrid layerGrid=BokehLayerGrid(layers);
+vec2 first=(layers.uv*layerGrid.size+segment.xy-segment.zw) *
+(float(BOKEH_LAYER_SCALE)/scale);
+vec2 sampleStep=segment.zw*(2.0*float(BOKEH_LAYER_SCALE)/(scale*samples));
 vec4 sum=vec4(0.0,0.0,0.0,0.0);
 for(int i=0;i < int(ceil(samples));i++)
 {
@@ -1457,7 +1510,8 @@ return (L1*w.x+L2*w.y+L3*w.z+L4*w.w)/(w.x+w.y+w.z+w.w);
 BokehTargets BokehLayerFirst(BOKEH_TEXTURE LayerSamp,BOKEH_TEXTURE QuarterSamp,vec2 layerCoC,
 bool isFar,int last,BokehPolygon polygon,BokehLayerContext layers)
 {
-vec2 center=layers.uv*ceil(layers.size/2.0);
+BokehGrid grid=BokehLayerGrid(layers);
+vec2 center=layers.uv*grid.size;
 vec4 zero=vec4(0.0,0.0,0.0,0.0);
 BokehTargets targets;
 BokehBlur blur=BokehLayerBlur(layerCoC,isFar,polygon);
@@ -1486,7 +1540,7 @@ targets.strip5=BokehLayerTarget(5,polygon,L1,L2,L3,L4);
 }
 else
 {
-targets.strip2=BokehFetchGrid(LayerSamp,center,BokehReducedGrid(layers,2.0));
+targets.strip2=BokehFetchGrid(LayerSamp,center,grid);
 targets.strip3=targets.strip2;
 targets.strip4=targets.strip2;
 targets.strip5=targets.strip2;
@@ -1497,7 +1551,8 @@ vec4 BokehLayerSecond(BOKEH_TEXTURE Strip2Samp,BOKEH_TEXTURE Strip3Samp,BOKEH_TE
 BOKEH_TEXTURE Strip5Samp,vec2 layerCoC,bool isFar,BokehPolygon polygon,
 BokehLayerContext layers)
 {
-vec2 center=layers.uv*ceil(layers.size/2.0);
+BokehGrid grid=BokehLayerGrid(layers);
+vec2 center=layers.uv*grid.size;
 vec4 result=vec4(0.0,0.0,0.0,0.0);
 BokehBlur blur=BokehLayerBlur(layerCoC,isFar,polygon);
 blur.useQuarterLayer=false;
@@ -1520,7 +1575,7 @@ result=result/polygon.area;
 }
 else
 {
-result=BokehFetchGrid(Strip2Samp,center,BokehReducedGrid(layers,2.0));
+result=BokehFetchGrid(Strip2Samp,center,grid);
 }
 return result;
 }
@@ -1563,7 +1618,7 @@ targets.far=BokehLayerSecond(FarStrip2Samp,FarStrip3Samp,FarStrip3Samp,FarStrip3
 layerCoC,true,polygon,layers);
 return targets;
 }
-vec4 BokehFetchLayer(BOKEH_TEXTURE LayerSamp,vec2 place,BokehGrid halves)
+vec4 BokehFetchLayer(BOKEH_TEXTURE LayerSamp,vec2 place,BokehGrid grid)
 {
 vec4 result=vec4(0.0,0.0,0.0,0.0);
 if(BOKEH_LAYER_CUBIC > 0)
@@ -1575,11 +1630,11 @@ vec2 w2=f*(f*(2.0-1.5*f)+0.5);
 vec2 w3=f*f*(0.5*f-0.5);
 vec2 w12=1.0-w0-w3;
 vec2 inner=texel+w2/w12;
-vec4 c=BokehFetchGrid(LayerSamp,inner,halves);
-vec4 l=BokehFetchGrid(LayerSamp,vec2(texel.x-1.0,inner.y),halves);
-vec4 r=BokehFetchGrid(LayerSamp,vec2(texel.x+2.0,inner.y),halves);
-vec4 t=BokehFetchGrid(LayerSamp,vec2(inner.x,texel.y-1.0),halves);
-vec4 b=BokehFetchGrid(LayerSamp,vec2(inner.x,texel.y+2.0),halves);
+vec4 c=BokehFetchGrid(LayerSamp,inner,grid);
+vec4 l=BokehFetchGrid(LayerSamp,vec2(texel.x-1.0,inner.y),grid);
+vec4 r=BokehFetchGrid(LayerSamp,vec2(texel.x+2.0,inner.y),grid);
+vec4 t=BokehFetchGrid(LayerSamp,vec2(inner.x,texel.y-1.0),grid);
+vec4 b=BokehFetchGrid(LayerSamp,vec2(inner.x,texel.y+2.0),grid);
 vec2 side=w12.yx/(w12.x*w12.y+(w0.x+w3.x)*w12.y+(w0.y+w3.y)*w12.x);
 vec4 sum=c*(w12.x*side.x)+l*(w0.x*side.x)+r*(w3.x*side.x)+t*(w0.y *
 side.y)+b*(w3.y*side.y);
@@ -1587,7 +1642,7 @@ result=clamp(sum,min(min(c,min(l,r)),min(t,b)),max(max(c,max(l,r)),max(t,b)));
 }
 else
 {
-result=BokehFetchGrid(LayerSamp,place,halves);
+result=BokehFetchGrid(LayerSamp,place,grid);
 }
 return result;
 }
@@ -1685,8 +1740,8 @@ BokehGather gather=before;
 float outer=min(BokehRingBorder(ring,rings),end);
 if(ring <= BOKEH_LAYER_RINGS+1&&gather.inner < outer)
 {
-gather=BokehGatherRing(gather,MapSamp,ring,BokehSamplesPerEdge(min(density,
-BOKEH_LAYER_RINGS),polygon),outer,polygon,layers);
+gather=BokehGatherRing(gather,MapSamp,ring,BokehSamplesPerEdge(max(min(density,
+BOKEH_LAYER_RINGS),1),polygon),outer,polygon,layers);
 }
 return gather;
 }
@@ -1699,11 +1754,11 @@ vec2 center=layers.uv*full.size;
 vec4 centerPixel=BokehFetchTexel(MapSamp,BokehToTexture(layers.uv));
 vec4 tile=BokehFetchGrid(GatherTilesSamp,center/8.0,BokehReducedGrid(layers,8.0));
 vec3 result=centerPixel.rgb;
-BokehGrid halves=BokehReducedGrid(layers,2.0);
+BokehGrid grid=BokehLayerGrid(layers);
 vec4 nearLayer=vec4(0.0,0.0,0.0,0.0);
 if(BOKEH_SIDES > 0&&tile.r > BOKEH_TUNED_NEAR_START)
 {
-nearLayer=BokehFetchLayer(NearSamp,0.5*center,halves);
+nearLayer=BokehFetchLayer(NearSamp,center/float(BOKEH_LAYER_SCALE),grid);
 }
 if(max(tile.r,tile.g) > 1.0&&nearLayer.a*BOKEH_TUNED_NEAR_ALPHA < 1.0)
 {
@@ -1718,6 +1773,10 @@ gather.inverse=BokehSpreadInverse(vec2(s,s)).x;
 float restRadius=clamp(16.0-16.0*farWeight,0.0,1.0)*(1.0-nearWeight) /
 sqrt(gather.inverse);
 float radius=max(max(restRadius,0.01),0.5*max(tile.b,tile.a*farWeight));
+if(BOKEH_LAYER_RINGS==0)
+{
+radius=min(radius,BOKEH_TUNED_SINGLE_RADIUS);
+}
 BokehRingLayout ringLayout;
 ringLayout.radius=radius;
 ringLayout.narrowing=clamp(radius/max(restRadius,1.0)-1.0,0.0,1.0);
@@ -1753,8 +1812,13 @@ lastInner=min(BokehRingBorder(BOKEH_LAYER_RINGS,ringLayout),radius);
 }
 if(BOKEH_SIDES > 0)
 {
+if(BOKEH_LAYER_RINGS > 0)
+{
 gather=BokehGatherTo(gather,MapSamp,1,1,lastInner,ringLayout,polygon,
 layers);
+}
+if(BOKEH_LAYER_RINGS > 1)
+{
 gather=BokehGatherTo(gather,MapSamp,2,2,lastInner,ringLayout,polygon,
 layers);
 gather=BokehGatherTo(gather,MapSamp,3,3,lastInner,ringLayout,polygon,
@@ -1763,6 +1827,7 @@ gather=BokehGatherTo(gather,MapSamp,4,4,lastInner,ringLayout,polygon,
 layers);
 gather=BokehGatherTo(gather,MapSamp,5,5,lastInner,ringLayout,polygon,
 layers);
+}
 gather=BokehGatherTo(gather,MapSamp,BOKEH_LAYER_RINGS+1,1,radius,ringLayout,
 polygon,layers);
 }
@@ -1774,7 +1839,7 @@ if(gather.inner >= radius)
 {
 break;
 }
-int density=min(ring,BOKEH_LAYER_RINGS);
+int density=max(min(ring,BOKEH_LAYER_RINGS),1);
 if(float(ring) > denseRings)
 {
 density=1;
@@ -1789,9 +1854,9 @@ if(max(tile.r-BOKEH_TUNED_NEAR_START,tile.g-BOKEH_TUNED_FAR_START) > 0.0)
 {
 if(BOKEH_SIDES==0)
 {
-nearLayer=BokehFetchLayer(NearSamp,0.5*center,halves);
+nearLayer=BokehFetchLayer(NearSamp,center/float(BOKEH_LAYER_SCALE),grid);
 }
-farLayer=BokehFetchLayer(FarSamp,0.5*center,halves);
+farLayer=BokehFetchLayer(FarSamp,center/float(BOKEH_LAYER_SCALE),grid);
 }
 BokehGrid quarters=BokehReducedGrid(layers,4.0);
 float behindNear=clamp(2.0*farWeight*nearLayer.a-0.25+1000.0*nearWeight,
@@ -2760,6 +2825,7 @@ return BokehResolve(color,totalWeight,centerPixel,blurCoC);
 override BOKEH_LAYER_RINGS: i32 = 2;
 override BOKEH_LAYER_SAMPLES: i32 = 11;
 override BOKEH_LAYER_CUBIC: i32 = 1;
+override BOKEH_LAYER_SCALE: i32 = 2;
 const BOKEH_MIN_BRIGHTNESS:f32=0.00001;
 const BOKEH_TUNED_NEAR_START:f32=6.0;
 const BOKEH_TUNED_NEAR_FULL:f32=12.0;
@@ -2776,6 +2842,7 @@ const BOKEH_TUNED_FAR_QUARTER:f32=1.15;
 const BOKEH_TUNED_HEXAGON_SIDE:f32=0.4;
 const BOKEH_TUNED_SQUARE_SIDE:f32=0.2;
 const BOKEH_TUNED_RING_WIDTH:f32=3.0;
+const BOKEH_TUNED_SINGLE_RADIUS:f32=6.0;
 const BOKEH_TUNED_RING_POSITION:f32=0.58;
 const BOKEH_TUNED_RING_STEP:f32=0.04;
 const BOKEH_TUNED_PIXEL_BLUR:f32=0.6;
@@ -2825,6 +2892,10 @@ if(BOKEH_VIEWPORT > 0)
 grid.texel=1.0/ceil(floor(1.0/layers.texel+0.5)/scale);
 }
 return grid;
+}
+fn BokehLayerGrid(layers:BokehLayerContext)->BokehGrid
+{
+return BokehReducedGrid(layers,f32(BOKEH_LAYER_SCALE));
 }
 fn BokehGridCoords(place:vec2f,grid:BokehGrid)->vec2f
 {
@@ -2965,13 +3036,10 @@ result=vec4f(result.rgb,nearWeight*(around.a-brightest)/(around.a-limit));
 }
 return result;
 }
-fn BokehPrefilter(MapSamp:texture_2d<f32>,DilatedTilesSamp:texture_2d<f32>,
+fn BokehPrefilterBlock(MapSamp:texture_2d<f32>,middle:vec2f,tile:vec4f,
 layers:BokehLayerContext,BokehLinearClamp:sampler)->BokehPrefiltered
 {
 let full=BokehFullGrid(layers);
-let middle=floor(layers.uv*ceil(layers.size/2.0))*2.0+vec2f(1.0,1.0);
-let tile=BokehFetchGrid(DilatedTilesSamp,middle/8.0,BokehReducedGrid(layers,8.0),
-BokehLinearClamp);
 let nearSlope=BokehNearSlope(tile.r);
 let farSlope=BokehFarSlope(tile.g);
 let inverseBrightness=exp2(-tile.b);
@@ -3035,6 +3103,35 @@ targets.gatherCoC=vec4f(clamp(gatherCoC,vec2f(0.0,0.0),vec2f(maxValue,maxValue))
 1.0);
 return targets;
 }
+fn BokehPrefilter(MapSamp:texture_2d<f32>,DilatedTilesSamp:texture_2d<f32>,
+layers:BokehLayerContext,BokehLinearClamp:sampler)->BokehPrefiltered
+{
+let grid=BokehLayerGrid(layers);
+let center=(floor(layers.uv*grid.size)+0.5)*f32(BOKEH_LAYER_SCALE);
+let tile=BokehFetchGrid(DilatedTilesSamp,center/8.0,BokehReducedGrid(layers,8.0),
+BokehLinearClamp);
+var targets:BokehPrefiltered;
+targets.nearLayer=vec4f(0.0,0.0,0.0,0.0);
+targets.farLayer=vec4f(0.0,0.0,0.0,0.0);
+targets.layerCoCSums=vec4f(0.0,0.0,0.0,0.0);
+targets.gatherCoC=vec4f(0.0,0.0,0.0,1.0);
+let share=4.0/f32(BOKEH_LAYER_SCALE*BOKEH_LAYER_SCALE);
+for(var y=0;y < BOKEH_LAYER_SCALE/2;y++)
+{
+for(var x=0;x < BOKEH_LAYER_SCALE/2;x++)
+{
+let middle=center+2.0*vec2f(f32(x),f32(y))+(1.0-0.5 *
+f32(BOKEH_LAYER_SCALE));
+let block=BokehPrefilterBlock(MapSamp,middle,tile,
+layers,BokehLinearClamp);
+targets.nearLayer+=block.nearLayer*share;
+targets.farLayer+=block.farLayer*share;
+targets.layerCoCSums+=block.layerCoCSums*share;
+targets.gatherCoC=max(targets.gatherCoC,block.gatherCoC);
+}
+}
+return targets;
+}
 struct BokehTileSums
 {
 gatherCoC:vec4f,
@@ -3043,23 +3140,24 @@ sums:vec4f,
 fn BokehLayerCoCReduce(SumsSamp:texture_2d<f32>,GatherCoCSamp:texture_2d<f32>,
 layers:BokehLayerContext,BokehLinearClamp:sampler)->BokehTileSums
 {
-let halves=BokehReducedGrid(layers,2.0);
-let first=floor(layers.uv*ceil(layers.size/8.0))*4.0+vec2f(0.5,0.5);
+let grid=BokehLayerGrid(layers);
+let texels=8/BOKEH_LAYER_SCALE;
+let first=floor(layers.uv*ceil(layers.size/8.0))*f32(texels)+vec2f(0.5,0.5);
 var sums=vec4f(0.0,0.0,0.0,0.0);
 var gatherCoC=vec2f(0.0,0.0);
-for(var y=0;y < 4;y++)
+for(var y=0;y < texels;y++)
 {
-for(var x=0;x < 4;x++)
+for(var x=0;x < texels;x++)
 {
 let place=first+vec2f(f32(x),f32(y));
-sums+=BokehFetchGrid(SumsSamp,place,halves,BokehLinearClamp);
-gatherCoC=max(gatherCoC,BokehFetchGrid(GatherCoCSamp,place,halves,
+sums+=BokehFetchGrid(SumsSamp,place,grid,BokehLinearClamp);
+gatherCoC=max(gatherCoC,BokehFetchGrid(GatherCoCSamp,place,grid,
 BokehLinearClamp).rg);
 }
 }
 var targets:BokehTileSums;
 targets.gatherCoC=vec4f(gatherCoC,0.0,1.0);
-targets.sums=sums/16.0;
+targets.sums=sums/f32(texels*texels);
 return targets;
 }
 fn BokehLayerCoCAlong(GatherCoCSamp:texture_2d<f32>,SumsSamp:texture_2d<f32>,
@@ -3133,7 +3231,8 @@ return targets;
 fn BokehLayerCoC(LayerCoCSamp:texture_2d<f32>,layers:BokehLayerContext,
 BokehLinearClamp:sampler)->vec2f
 {
-let place=layers.uv*ceil(layers.size/2.0)/4.0;
+let grid=BokehLayerGrid(layers);
+let place=layers.uv*grid.size*(f32(BOKEH_LAYER_SCALE)/8.0);
 return BokehFetchGrid(LayerCoCSamp,place,BokehReducedGrid(layers,8.0),BokehLinearClamp).rg;
 }
 struct BokehBlur
@@ -3145,12 +3244,12 @@ sideTap:f32,
 }
 fn BokehLayerBlur(layerCoC:vec2f,isFar:bool,polygon:BokehPolygon)->BokehBlur
 {
-var CoC=0.5*layerCoC.r;
+var CoC=layerCoC.r/f32(BOKEH_LAYER_SCALE);
 var minSpacing=BOKEH_TUNED_NEAR_QUARTER;
 var selfBlur=BOKEH_TUNED_NEAR_SELF_BLUR;
 if(isFar)
 {
-CoC=0.5*layerCoC.g;
+CoC=layerCoC.g/f32(BOKEH_LAYER_SCALE);
 minSpacing=BOKEH_TUNED_FAR_QUARTER;
 selfBlur=clamp(BOKEH_TUNED_FAR_SELF_BLUR*CoC*CoC,BOKEH_TUNED_FAR_SELF_BLUR_MIN,
 BOKEH_TUNED_FAR_SELF_BLUR_MAX);
@@ -3177,7 +3276,7 @@ return blur;
 fn BokehQuarterLayer(LayerSamp:texture_2d<f32>,center:vec2f,side:f32,
 layers:BokehLayerContext,BokehLinearClamp:sampler)->vec4f
 {
-let halves=BokehReducedGrid(layers,2.0);
+let grid=BokehLayerGrid(layers);
 var sum=vec4f(0.0,0.0,0.0,0.0);
 if(side > 0.0)
 {
@@ -3187,7 +3286,7 @@ for(var x=0;x < 3;x++)
 {
 let offset=vec2f(f32(x)-1.0,f32(y)-1.0);
 let weight=1.0-(1.0-side)*abs(offset);
-sum+=BokehFetchGrid(LayerSamp,center+2.0*offset,halves,BokehLinearClamp) *
+sum+=BokehFetchGrid(LayerSamp,center+2.0*offset,grid,BokehLinearClamp) *
 (weight.x*weight.y);
 }
 }
@@ -3195,7 +3294,7 @@ sum=sum/((1.0+2.0*side)*(1.0+2.0*side));
 }
 else
 {
-sum=BokehFetchGrid(LayerSamp,center,halves,BokehLinearClamp);
+sum=BokehFetchGrid(LayerSamp,center,grid,BokehLinearClamp);
 }
 return sum;
 }
@@ -3235,7 +3334,7 @@ mid+=vec4f(pixel.rgb,1.0)*(weight*(1.0-farWeight));
 far+=vec4f(pixel.rgb,1.0)*(weight*farWeight);
 }
 }
-let center=0.5*middlePlace;
+let center=middlePlace/f32(BOKEH_LAYER_SCALE);
 let layerCoC=BokehLayerCoC(LayerCoCSamp,layers,BokehLinearClamp);
 var targets:BokehDownsampled;
 targets.midWithHoles=mid/16.0;
@@ -3328,7 +3427,7 @@ fn BokehLayerLine(tex:texture_2d<f32>,QuarterSamp:texture_2d<f32>,k:i32,polygon:
 secondPass:bool,blur:BokehBlur,layers:BokehLayerContext,
 BokehLinearClamp:sampler)->vec4f
 {
-var scale=2.0;
+var scale=f32(BOKEH_LAYER_SCALE);
 if(blur.useQuarterLayer)
 {
 scale=4.0;
@@ -3337,9 +3436,10 @@ let grid=BokehReducedGrid(layers,scale);
 let segment=BokehEdgeLine(k,polygon,secondPass)*blur.CoC;
 let samples=max(2.0*length(segment.zw)/blur.spacing,2.0);
 let phase=0.5+layers.jitter*min(blur.spacing-1.0,1.0);
-let first=(layers.uv*ceil(layers.size/2.0)+segment.xy-segment.zw)*(2.0 /
-scale);
-let sampleStep=segment.zw*(4.0/(scale*samples));
+let layerGrid=BokehLayerGrid(layers);
+let first=(layers.uv*layerGrid.size+segment.xy-segment.zw) *
+(f32(BOKEH_LAYER_SCALE)/scale);
+let sampleStep=segment.zw*(2.0*f32(BOKEH_LAYER_SCALE)/(scale*samples));
 var sum=vec4f(0.0,0.0,0.0,0.0);
 for(var i=0;i < i32(ceil(samples));i++)
 {
@@ -3373,7 +3473,8 @@ fn BokehLayerFirst(LayerSamp:texture_2d<f32>,QuarterSamp:texture_2d<f32>,layerCo
 isFar:bool,last:i32,polygon:BokehPolygon,layers:BokehLayerContext,
 BokehLinearClamp:sampler)->BokehTargets
 {
-let center=layers.uv*ceil(layers.size/2.0);
+let grid=BokehLayerGrid(layers);
+let center=layers.uv*grid.size;
 let zero=vec4f(0.0,0.0,0.0,0.0);
 var targets:BokehTargets;
 let blur=BokehLayerBlur(layerCoC,isFar,polygon);
@@ -3406,8 +3507,7 @@ targets.strip5=BokehLayerTarget(5,polygon,L1,L2,L3,L4);
 }
 else
 {
-targets.strip2=BokehFetchGrid(LayerSamp,center,BokehReducedGrid(layers,2.0),
-BokehLinearClamp);
+targets.strip2=BokehFetchGrid(LayerSamp,center,grid,BokehLinearClamp);
 targets.strip3=targets.strip2;
 targets.strip4=targets.strip2;
 targets.strip5=targets.strip2;
@@ -3418,7 +3518,8 @@ fn BokehLayerSecond(Strip2Samp:texture_2d<f32>,Strip3Samp:texture_2d<f32>,
 Strip4Samp:texture_2d<f32>,Strip5Samp:texture_2d<f32>,layerCoC:vec2f,isFar:bool,
 polygon:BokehPolygon,layers:BokehLayerContext,BokehLinearClamp:sampler)->vec4f
 {
-let center=layers.uv*ceil(layers.size/2.0);
+let grid=BokehLayerGrid(layers);
+let center=layers.uv*grid.size;
 var result=vec4f(0.0,0.0,0.0,0.0);
 var blur=BokehLayerBlur(layerCoC,isFar,polygon);
 blur.useQuarterLayer=false;
@@ -3445,8 +3546,7 @@ result=result/polygon.area;
 }
 else
 {
-result=BokehFetchGrid(Strip2Samp,center,BokehReducedGrid(layers,2.0),
-BokehLinearClamp);
+result=BokehFetchGrid(Strip2Samp,center,grid,BokehLinearClamp);
 }
 return result;
 }
@@ -3490,7 +3590,7 @@ targets.far=BokehLayerSecond(FarStrip2Samp,FarStrip3Samp,FarStrip3Samp,FarStrip3
 layerCoC,true,polygon,layers,BokehLinearClamp);
 return targets;
 }
-fn BokehFetchLayer(LayerSamp:texture_2d<f32>,place:vec2f,halves:BokehGrid,
+fn BokehFetchLayer(LayerSamp:texture_2d<f32>,place:vec2f,grid:BokehGrid,
 BokehLinearClamp:sampler)->vec4f
 {
 var result=vec4f(0.0,0.0,0.0,0.0);
@@ -3503,14 +3603,14 @@ let w2=f*(f*(2.0-1.5*f)+0.5);
 let w3=f*f*(0.5*f-0.5);
 let w12=1.0-w0-w3;
 let inner=texel+w2/w12;
-let c=BokehFetchGrid(LayerSamp,inner,halves,BokehLinearClamp);
-let l=BokehFetchGrid(LayerSamp,vec2f(texel.x-1.0,inner.y),halves,
+let c=BokehFetchGrid(LayerSamp,inner,grid,BokehLinearClamp);
+let l=BokehFetchGrid(LayerSamp,vec2f(texel.x-1.0,inner.y),grid,
 BokehLinearClamp);
-let r=BokehFetchGrid(LayerSamp,vec2f(texel.x+2.0,inner.y),halves,
+let r=BokehFetchGrid(LayerSamp,vec2f(texel.x+2.0,inner.y),grid,
 BokehLinearClamp);
-let t=BokehFetchGrid(LayerSamp,vec2f(inner.x,texel.y-1.0),halves,
+let t=BokehFetchGrid(LayerSamp,vec2f(inner.x,texel.y-1.0),grid,
 BokehLinearClamp);
-let b=BokehFetchGrid(LayerSamp,vec2f(inner.x,texel.y+2.0),halves,
+let b=BokehFetchGrid(LayerSamp,vec2f(inner.x,texel.y+2.0),grid,
 BokehLinearClamp);
 let side=w12.yx/(w12.x*w12.y+(w0.x+w3.x)*w12.y+(w0.y+w3.y)*w12.x);
 let sum=c*(w12.x*side.x)+l*(w0.x*side.x)+r*(w3.x*side.x)+t *
@@ -3519,7 +3619,7 @@ result=clamp(sum,min(min(c,min(l,r)),min(t,b)),max(max(c,max(l,r)),max(t,b)));
 }
 else
 {
-result=BokehFetchGrid(LayerSamp,place,halves,BokehLinearClamp);
+result=BokehFetchGrid(LayerSamp,place,grid,BokehLinearClamp);
 }
 return result;
 }
@@ -3620,8 +3720,8 @@ var gather=before;
 let outer=min(BokehRingBorder(ring,rings),end);
 if(ring <= BOKEH_LAYER_RINGS+1&&gather.inner < outer)
 {
-gather=BokehGatherRing(gather,MapSamp,ring,BokehSamplesPerEdge(min(density,
-BOKEH_LAYER_RINGS),polygon),outer,polygon,layers,BokehLinearClamp);
+gather=BokehGatherRing(gather,MapSamp,ring,BokehSamplesPerEdge(max(min(density,
+BOKEH_LAYER_RINGS),1),polygon),outer,polygon,layers,BokehLinearClamp);
 }
 return gather;
 }
@@ -3636,11 +3736,12 @@ let centerPixel=BokehFetchTexel(MapSamp,BokehToTexture(layers.uv));
 let tile=BokehFetchGrid(GatherTilesSamp,center/8.0,BokehReducedGrid(layers,8.0),
 BokehLinearClamp);
 var result=centerPixel.rgb;
-let halves=BokehReducedGrid(layers,2.0);
+let grid=BokehLayerGrid(layers);
 var nearLayer=vec4f(0.0,0.0,0.0,0.0);
 if(BOKEH_SIDES > 0&&tile.r > BOKEH_TUNED_NEAR_START)
 {
-nearLayer=BokehFetchLayer(NearSamp,0.5*center,halves,BokehLinearClamp);
+nearLayer=BokehFetchLayer(NearSamp,center/f32(BOKEH_LAYER_SCALE),grid,
+BokehLinearClamp);
 }
 if(max(tile.r,tile.g) > 1.0&&nearLayer.a*BOKEH_TUNED_NEAR_ALPHA < 1.0)
 {
@@ -3654,7 +3755,11 @@ gather.nearWeight=nearWeight;
 gather.inverse=BokehSpreadInverse(vec2f(s,s)).x;
 let restRadius=clamp(16.0-16.0*farWeight,0.0,1.0)*(1.0-nearWeight) /
 sqrt(gather.inverse);
-let radius=max(max(restRadius,0.01),0.5*max(tile.b,tile.a*farWeight));
+var radius=max(max(restRadius,0.01),0.5*max(tile.b,tile.a*farWeight));
+if(BOKEH_LAYER_RINGS==0)
+{
+radius=min(radius,BOKEH_TUNED_SINGLE_RADIUS);
+}
 var ringLayout:BokehRingLayout;
 ringLayout.radius=radius;
 ringLayout.narrowing=clamp(radius/max(restRadius,1.0)-1.0,0.0,1.0);
@@ -3690,8 +3795,13 @@ lastInner=min(BokehRingBorder(BOKEH_LAYER_RINGS,ringLayout),radius);
 }
 if(BOKEH_SIDES > 0)
 {
+if(BOKEH_LAYER_RINGS > 0)
+{
 gather=BokehGatherTo(gather,MapSamp,1,1,lastInner,ringLayout,polygon,
 layers,BokehLinearClamp);
+}
+if(BOKEH_LAYER_RINGS > 1)
+{
 gather=BokehGatherTo(gather,MapSamp,2,2,lastInner,ringLayout,polygon,
 layers,BokehLinearClamp);
 gather=BokehGatherTo(gather,MapSamp,3,3,lastInner,ringLayout,polygon,
@@ -3700,6 +3810,7 @@ gather=BokehGatherTo(gather,MapSamp,4,4,lastInner,ringLayout,polygon,
 layers,BokehLinearClamp);
 gather=BokehGatherTo(gather,MapSamp,5,5,lastInner,ringLayout,polygon,
 layers,BokehLinearClamp);
+}
 gather=BokehGatherTo(gather,MapSamp,BOKEH_LAYER_RINGS+1,1,radius,ringLayout,
 polygon,layers,BokehLinearClamp);
 }
@@ -3711,7 +3822,7 @@ if(gather.inner >= radius)
 {
 break;
 }
-var density=min(ring,BOKEH_LAYER_RINGS);
+var density=max(min(ring,BOKEH_LAYER_RINGS),1);
 if(f32(ring) > denseRings)
 {
 density=1;
@@ -3726,9 +3837,11 @@ if(max(tile.r-BOKEH_TUNED_NEAR_START,tile.g-BOKEH_TUNED_FAR_START) > 0.0)
 {
 if(BOKEH_SIDES==0)
 {
-nearLayer=BokehFetchLayer(NearSamp,0.5*center,halves,BokehLinearClamp);
+nearLayer=BokehFetchLayer(NearSamp,center/f32(BOKEH_LAYER_SCALE),grid,
+BokehLinearClamp);
 }
-farLayer=BokehFetchLayer(FarSamp,0.5*center,halves,BokehLinearClamp);
+farLayer=BokehFetchLayer(FarSamp,center/f32(BOKEH_LAYER_SCALE),grid,
+BokehLinearClamp);
 }
 let quarters=BokehReducedGrid(layers,4.0);
 let behindNear=clamp(2.0*farWeight*nearLayer.a-0.25+1000.0*nearWeight,

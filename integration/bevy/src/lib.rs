@@ -27,6 +27,7 @@ use bevy::{
 /// How finely is sampled.
 #[derive(Reflect, Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum BokehPreset {
+    Mobile,
     Low,
     #[default]
     Medium,
@@ -35,20 +36,27 @@ pub enum BokehPreset {
 }
 
 /// Constants of the shaders that a preset sets.
-const CONSTANTS: [&str; 4] = ["BOKEH_NUM_SAMPLES", "BOKEH_LAYER_RINGS", "BOKEH_LAYER_SAMPLES", "BOKEH_LAYER_CUBIC"];
+const CONSTANTS: [&str; 5] =
+    ["BOKEH_NUM_SAMPLES", "BOKEH_LAYER_RINGS", "BOKEH_LAYER_SAMPLES", "BOKEH_LAYER_CUBIC", "BOKEH_LAYER_SCALE"];
 /// The type of depth in the shaders, and what it is where depth is multisampled.
 const DEPTH: [&str; 2] =
     ["alias BokehDepthTexture = texture_2d<f32>;", "alias BokehDepthTexture = texture_depth_multisampled_2d;"];
 
 impl BokehPreset {
     /// Of [`CONSTANTS`], then pixels between samples.
-    fn numbers(self) -> ([i32; 4], f32) {
+    fn numbers(self) -> ([i32; 5], f32) {
         match self {
-            Self::Low => ([5, 1, 11, 0], 2.0),
-            Self::Medium => ([9, 2, 11, 1], 1.5),
-            Self::High => ([17, 3, 18, 1], 1.0),
-            Self::Ultra => ([33, 4, 18, 1], 1.0),
+            Self::Mobile => ([5, 0, 18, 0, 4], 2.0),
+            Self::Low => ([5, 1, 11, 0, 2], 2.0),
+            Self::Medium => ([9, 2, 11, 1, 2], 1.5),
+            Self::High => ([17, 3, 18, 1, 2], 1.0),
+            Self::Ultra => ([33, 4, 18, 1, 2], 1.0),
         }
+    }
+
+    /// [`Pass::scale`] with this preset: the tables have layers of half size, and those of `Mobile` have a quarter.
+    fn scale(self, pass: &Pass) -> u32 {
+        if self == Self::Mobile && pass.scale == 2 { 4 } else { pass.scale }
     }
 }
 
@@ -469,13 +477,14 @@ fn prepare_bokeh(
         let mut written = Vec::new();
         let mut steps = Vec::new();
         for (pass, pipeline) in wanted {
+            let scale = drawn.preset.scale(pass);
             steps.push((pass, pipeline, uniforms.0.push(&drawn.parameters(size, near, pass))));
             for name in pass.writes.iter().filter(|name| **name != "result") {
                 let descriptor = TextureDescriptor {
                     label: Some(*name),
                     size: Extent3d {
-                        width: size.x.div_ceil(pass.scale),
-                        height: size.y.div_ceil(pass.scale),
+                        width: size.x.div_ceil(scale),
+                        height: size.y.div_ceil(scale),
                         depth_or_array_layers: 1,
                     },
                     mip_level_count: 1,

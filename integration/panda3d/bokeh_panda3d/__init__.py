@@ -15,7 +15,7 @@ BEGIN = [("SIGNED_COC_MAP", "color", "coc", 1, {})]
 PAPER_BEGIN = [("LINEAR_DEPTH", "", "metres", 1, {}), ("COC_MAP", "color", "coc", 1, {})]
 DEBUG = {sides: [("DEBUG", "coc", "result", 1, {})] for sides in LAYERED}
 METHODS = {"layered": (BEGIN, LAYERED), "exact": (BEGIN, EXACT), "paper": (PAPER_BEGIN, PAPER), "debug": (BEGIN, DEBUG)}
-PRESETS = ("LOW", "MEDIUM", "HIGH", "ULTRA")
+PRESETS = ("MOBILE", "LOW", "MEDIUM", "HIGH", "ULTRA")
 SLOTS = ["BokehColorSamp", *(f"BokehColorSamp{letter}" for letter in "BCDEF")]
 
 # FilterManager's quad has corners at -1 and 1 in x and z
@@ -113,7 +113,7 @@ class DepthOfField:
         method   "layered": near things spread over what is behind them; "exact": each pixel by its own circle of
                  confusion, fewer passes; "paper": the paper's lines; "debug": what BokehDebugMode says
         sides    4, 6, 8 or 10; of paper 6 or 8
-        preset   "LOW", "MEDIUM", "HIGH" or "ULTRA"
+        preset   "MOBILE", "LOW", "MEDIUM", "HIGH" or "ULTRA"
         defines  for the shaders, such as "BOKEH_LENS_SHAPE 1"
         """
         begin, frames = METHODS.get(method, ((), {}))
@@ -129,8 +129,10 @@ class DepthOfField:
             manager.nextsort -= 1
         self.textures, self.passes, self.buffers, self.values = dict(self.scene), [], [], None
         head = "".join(f"#define {line}\n" for line in (f"BOKEH_PRESET_{preset}", *defines))
-        for step in (*begin, *frames[sides]):
-            self._add(head, *step)
+        for name, reads, writes, scale, parameters in (*begin, *frames[sides]):
+            # the tables have layers of half size, and those of MOBILE have a quarter
+            scale = 4 if preset == "MOBILE" and scale == 2 else scale
+            self._add(head, name, reads, writes, scale, parameters)
         self.quad.setShaderInput("image", self.textures["result"])
         self.update()
 

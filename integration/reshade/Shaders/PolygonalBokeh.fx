@@ -2,14 +2,20 @@
 //
 // Polygonal bokeh for ReShade: depth of field with a hexagonal aperture. Copy this folder's files
 // into reshade-shaders/Shaders.
-// Presets: PolygonalBokeh's preprocessor definition POLYGONAL_BOKEH_PRESET is 1 LOW, 2 MEDIUM, 3 HIGH, 4 ULTRA.
+// Presets: PolygonalBokeh's preprocessor definition POLYGONAL_BOKEH_PRESET is 0 MOBILE, 1 LOW, 2 MEDIUM, 3 HIGH,
+// 4 ULTRA.
 
 #include "ReShade.fxh"
 
 #ifndef POLYGONAL_BOKEH_PRESET
 #define POLYGONAL_BOKEH_PRESET 2
 #endif
-#if POLYGONAL_BOKEH_PRESET == 1
+#define POLYGONAL_BOKEH_LAYER_SCALE 2
+#if POLYGONAL_BOKEH_PRESET == 0
+#define BOKEH_PRESET_MOBILE 1
+#undef POLYGONAL_BOKEH_LAYER_SCALE
+#define POLYGONAL_BOKEH_LAYER_SCALE 4
+#elif POLYGONAL_BOKEH_PRESET == 1
 #define BOKEH_PRESET_LOW 1
 #elif POLYGONAL_BOKEH_PRESET == 3
 #define BOKEH_PRESET_HIGH 1
@@ -215,13 +221,13 @@ texture PolygonalBokehLayered1 { Width = (BUFFER_WIDTH + 7) / 8; Height = (BUFFE
 sampler Layered1 { Texture = PolygonalBokehLayered1; AddressU = CLAMP; AddressV = CLAMP; };
 texture PolygonalBokehLayered2 { Width = (BUFFER_WIDTH + 7) / 8; Height = (BUFFER_HEIGHT + 7) / 8; Format = RGBA16F; };
 sampler Layered2 { Texture = PolygonalBokehLayered2; AddressU = CLAMP; AddressV = CLAMP; };
-texture PolygonalBokehLayered3 { Width = (BUFFER_WIDTH + 1) / 2; Height = (BUFFER_HEIGHT + 1) / 2; Format = RGBA16F; };
+texture PolygonalBokehLayered3 { Width = (BUFFER_WIDTH + POLYGONAL_BOKEH_LAYER_SCALE - 1) / POLYGONAL_BOKEH_LAYER_SCALE; Height = (BUFFER_HEIGHT + POLYGONAL_BOKEH_LAYER_SCALE - 1) / POLYGONAL_BOKEH_LAYER_SCALE; Format = RGBA16F; };
 sampler Layered3 { Texture = PolygonalBokehLayered3; AddressU = CLAMP; AddressV = CLAMP; };
-texture PolygonalBokehLayered4 { Width = (BUFFER_WIDTH + 1) / 2; Height = (BUFFER_HEIGHT + 1) / 2; Format = RGBA16F; };
+texture PolygonalBokehLayered4 { Width = (BUFFER_WIDTH + POLYGONAL_BOKEH_LAYER_SCALE - 1) / POLYGONAL_BOKEH_LAYER_SCALE; Height = (BUFFER_HEIGHT + POLYGONAL_BOKEH_LAYER_SCALE - 1) / POLYGONAL_BOKEH_LAYER_SCALE; Format = RGBA16F; };
 sampler Layered4 { Texture = PolygonalBokehLayered4; AddressU = CLAMP; AddressV = CLAMP; };
-texture PolygonalBokehLayered5 { Width = (BUFFER_WIDTH + 1) / 2; Height = (BUFFER_HEIGHT + 1) / 2; Format = RGBA16F; };
+texture PolygonalBokehLayered5 { Width = (BUFFER_WIDTH + POLYGONAL_BOKEH_LAYER_SCALE - 1) / POLYGONAL_BOKEH_LAYER_SCALE; Height = (BUFFER_HEIGHT + POLYGONAL_BOKEH_LAYER_SCALE - 1) / POLYGONAL_BOKEH_LAYER_SCALE; Format = RGBA16F; };
 sampler Layered5 { Texture = PolygonalBokehLayered5; AddressU = CLAMP; AddressV = CLAMP; };
-texture PolygonalBokehLayered6 { Width = (BUFFER_WIDTH + 1) / 2; Height = (BUFFER_HEIGHT + 1) / 2; Format = RGBA16F; };
+texture PolygonalBokehLayered6 { Width = (BUFFER_WIDTH + POLYGONAL_BOKEH_LAYER_SCALE - 1) / POLYGONAL_BOKEH_LAYER_SCALE; Height = (BUFFER_HEIGHT + POLYGONAL_BOKEH_LAYER_SCALE - 1) / POLYGONAL_BOKEH_LAYER_SCALE; Format = RGBA16F; };
 sampler Layered6 { Texture = PolygonalBokehLayered6; AddressU = CLAMP; AddressV = CLAMP; };
 texture PolygonalBokehLayered7 { Width = (BUFFER_WIDTH + 7) / 8; Height = (BUFFER_HEIGHT + 7) / 8; Format = RGBA16F; };
 sampler Layered7 { Texture = PolygonalBokehLayered7; AddressU = CLAMP; AddressV = CLAMP; };
@@ -241,9 +247,9 @@ texture PolygonalBokehLayered14 { Width = (BUFFER_WIDTH + 3) / 4; Height = (BUFF
 sampler Layered14 { Texture = PolygonalBokehLayered14; AddressU = CLAMP; AddressV = CLAMP; };
 texture PolygonalBokehLayered15 { Width = (BUFFER_WIDTH + 3) / 4; Height = (BUFFER_HEIGHT + 3) / 4; Format = RGBA16F; };
 sampler Layered15 { Texture = PolygonalBokehLayered15; AddressU = CLAMP; AddressV = CLAMP; };
-texture PolygonalBokehLayered16 { Width = (BUFFER_WIDTH + 1) / 2; Height = (BUFFER_HEIGHT + 1) / 2; Format = RGBA16F; };
+texture PolygonalBokehLayered16 { Width = (BUFFER_WIDTH + POLYGONAL_BOKEH_LAYER_SCALE - 1) / POLYGONAL_BOKEH_LAYER_SCALE; Height = (BUFFER_HEIGHT + POLYGONAL_BOKEH_LAYER_SCALE - 1) / POLYGONAL_BOKEH_LAYER_SCALE; Format = RGBA16F; };
 sampler Layered16 { Texture = PolygonalBokehLayered16; AddressU = CLAMP; AddressV = CLAMP; };
-texture PolygonalBokehLayered17 { Width = (BUFFER_WIDTH + 1) / 2; Height = (BUFFER_HEIGHT + 1) / 2; Format = RGBA16F; };
+texture PolygonalBokehLayered17 { Width = (BUFFER_WIDTH + POLYGONAL_BOKEH_LAYER_SCALE - 1) / POLYGONAL_BOKEH_LAYER_SCALE; Height = (BUFFER_HEIGHT + POLYGONAL_BOKEH_LAYER_SCALE - 1) / POLYGONAL_BOKEH_LAYER_SCALE; Format = RGBA16F; };
 sampler Layered17 { Texture = PolygonalBokehLayered17; AddressU = CLAMP; AddressV = CLAMP; };
 
 void LayeredTileMax1PS(float4 position : SV_Position, float2 uv : TEXCOORD, out float4 target0 : SV_Target0)

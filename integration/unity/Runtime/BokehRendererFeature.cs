@@ -38,7 +38,7 @@ namespace PolygonalBokeh
         public enum View { Result, Colour, Depth, CircleOfConfusion, NearAndFar }
 
         // A build has the shader's variants of the materials that its renderers name, and no others
-        [Tooltip("The preset: one of the package's materials, from Bokeh Low to Bokeh Ultra")]
+        [Tooltip("The preset: one of the package's materials, from Bokeh Mobile to Bokeh Ultra")]
         public Material material;
 
         [Tooltip("What the camera shows: the result, or one step on the way to it")]
@@ -225,7 +225,9 @@ namespace PolygonalBokeh
                     }
                     for (int index = 0; index < step.writes.Length; index++)
                     {
-                        builder.SetRenderAttachment(Target(graph, step.writes[index], step.scale), index);
+                        // the table has layers of half size, and those of the preset MOBILE have a quarter
+                        int scale = step.scale == 2 && values.material.IsKeywordEnabled("BOKEH_PRESET_MOBILE") ? 4 : step.scale;
+                        builder.SetRenderAttachment(Target(graph, step.writes[index], scale), index);
                     }
                     builder.SetRenderFunc((PassData given, RasterGraphContext context) => Execute(given, context));
                 }

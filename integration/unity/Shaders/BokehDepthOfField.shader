@@ -61,7 +61,7 @@ Shader "Hidden/BokehDepthOfField"
     HLSLINCLUDE
 
     #pragma target 3.5
-    #pragma shader_feature_local_fragment _ BOKEH_PRESET_LOW BOKEH_PRESET_HIGH BOKEH_PRESET_ULTRA
+    #pragma shader_feature_local_fragment _ BOKEH_PRESET_MOBILE BOKEH_PRESET_LOW BOKEH_PRESET_HIGH BOKEH_PRESET_ULTRA
 
     #include "Packages/com.unity.render-pipelines.universal/ShaderLibrary/Core.hlsl"
 

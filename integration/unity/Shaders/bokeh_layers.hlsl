@@ -35,6 +35,8 @@
 //   Composite        1     map, gatherTiles, both blurred   the finished image
 //                          layers, midFill, farFill
 //
+//   With BOKEH_LAYER_SCALE 4, the targets of Prefilter, LayerFirst and LayerSecond have 1/4.
+//
 //   TileDilate runs twice, along rows, then along columns. LayerFirst and LayerSecond run for the
 //   near layer, then for the far one; LayersFirst and LayersSecond blur both layers of a square or
 //   hexagon.
@@ -43,49 +45,63 @@
 // [11] layers
 //
 //   name                    default    range   meaning
-//   BOKEH_LAYER_RINGS       2          1 .. 4  rings of the small gather at full size. It takes one
+//   BOKEH_LAYER_RINGS       2          0 .. 4  rings of the small gather at full size. It takes one
 //                                              more where no layer is in reach (with CUBIC 0, also
 //                                              where layers are small), and where it reaches far
 //   BOKEH_LAYER_SAMPLES     11         2 ..    most samples on an edge of a layer's hexagon; twice
 //                                              as many on a square's, fewer on shorter edges
 //   BOKEH_LAYER_CUBIC       1          0, 1    1: layers are enlarged by five fetches, not by one
+//   BOKEH_LAYER_SCALE       2          2, 4    size of the image / size of a layer; comments that
+//                                              say half size mean the layers' size
 //   BOKEH_MIN_BRIGHTNESS    0.00001    > 0     a darker pixel does not lower the mean brightness of
 //                                              its tile any further
 //
-//   Presets: define one before bokeh.hlsl, or set the constants instead. In WGSL set all three.
+//   Presets: define one before bokeh.hlsl, or set the constants instead. In WGSL set all four.
 //
-//   preset                  rings      samples cubic
-//   BOKEH_PRESET_LOW        1          11      0
-//   BOKEH_PRESET_MEDIUM     2          11      1      the default
-//   BOKEH_PRESET_HIGH       3          18      1
-//   BOKEH_PRESET_ULTRA      4          18      1
+//   preset                  rings      samples cubic  scale
+//   BOKEH_PRESET_MOBILE     0          18      0      4
+//   BOKEH_PRESET_LOW        1          11      0      2
+//   BOKEH_PRESET_MEDIUM     2          11      1      2      the default
+//   BOKEH_PRESET_HIGH       3          18      1      2
+//   BOKEH_PRESET_ULTRA      4          18      1      2
 
 #ifndef BOKEH_VIEWPORT
 #error put bokeh.hlsl before bokeh_layers.hlsl
 #endif
 #define BOKEH_LAYERS 1
 
-#if defined(BOKEH_PRESET_LOW)
+#if defined(BOKEH_PRESET_MOBILE)
+#define BOKEH_PRESET_RINGS 0
+#define BOKEH_PRESET_LAYER_SAMPLES 18
+#define BOKEH_PRESET_CUBIC 0
+#define BOKEH_PRESET_SCALE 4
+#elif defined(BOKEH_PRESET_LOW)
 #define BOKEH_PRESET_RINGS 1
 #define BOKEH_PRESET_LAYER_SAMPLES 11
 #define BOKEH_PRESET_CUBIC 0
+#define BOKEH_PRESET_SCALE 2
 #elif defined(BOKEH_PRESET_HIGH)
 #define BOKEH_PRESET_RINGS 3
 #define BOKEH_PRESET_LAYER_SAMPLES 18
 #define BOKEH_PRESET_CUBIC 1
+#define BOKEH_PRESET_SCALE 2
 #elif defined(BOKEH_PRESET_ULTRA)
 #define BOKEH_PRESET_RINGS 4
 #define BOKEH_PRESET_LAYER_SAMPLES 18
 #define BOKEH_PRESET_CUBIC 1
+#define BOKEH_PRESET_SCALE 2
 #else
 #define BOKEH_PRESET_RINGS 2
 #define BOKEH_PRESET_LAYER_SAMPLES 11
 #define BOKEH_PRESET_CUBIC 1
+#define BOKEH_PRESET_SCALE 2
 #endif
 
 #ifndef BOKEH_PRESET_DEFAULT
 #if defined(BOKEH_LAYER_RINGS) || defined(BOKEH_LAYER_SAMPLES) || defined(BOKEH_LAYER_CUBIC)
 #error a preset sets BOKEH_LAYER_RINGS, _SAMPLES and _CUBIC: define it or them, not both
+#elif defined(BOKEH_LAYER_SCALE)
+#error a preset sets BOKEH_LAYER_SCALE: define it or them, not both
 #endif
 #endif
 
@@ -97,6 +113,9 @@
 #endif
 #ifndef BOKEH_LAYER_CUBIC
 #define BOKEH_LAYER_CUBIC BOKEH_PRESET_CUBIC
+#endif
+#ifndef BOKEH_LAYER_SCALE
+#define BOKEH_LAYER_SCALE BOKEH_PRESET_SCALE
 #endif
 #ifndef BOKEH_MIN_BRIGHTNESS
 #define BOKEH_MIN_BRIGHTNESS 0.00001
@@ -149,6 +168,10 @@
 // The gather has one more ring where its rings would be wider than this, pixels. With a higher
 // value, a thin bright line shows as a row of copies; a lower one costs fetches.
 #define BOKEH_TUNED_RING_WIDTH 3.0
+
+// A gather of a single ring reaches at most this far, pixels. With a higher value, an edge shows as
+// a row of copies; with a lower one, blurs that are in no layer get too small.
+#define BOKEH_TUNED_SINGLE_RADIUS 6.0
 
 // Samples of the gather lie at POSITION - rings * STEP of the width of their ring: half-way with
 // two rings. With more rings they lie farther in, or the rotated first ring would get too much
@@ -229,6 +252,12 @@ BokehGrid BokehReducedGrid(BokehLayerContext layers, float scale)
         grid.texel = 1.0 / ceil(floor(1.0 / layers.texel + 0.5) / scale);
     }
     return grid;
+}
+
+// Layers: returns the grid of the layers' textures
+BokehGrid BokehLayerGrid(BokehLayerContext layers)
+{
+    return BokehReducedGrid(layers, float(BOKEH_LAYER_SCALE));
 }
 
 // Layers: converts a position in the image to texture uv
@@ -442,23 +471,18 @@ float4 BokehNearPixel(float4 pixel, float nearWeight, float4 around)
     return result;
 }
 
-// Layers: sorts the pixels into a near and a far layer at half size
-//   Reads the CoC map and dilatedTiles. Writes both layers, and two targets for the passes after
-//   it: layerCoCSums, from which the CoC of each layer follows, and gatherCoC, which says how far
-//   the gather has to reach. Antialiased pixels of near edges hold light of what is behind; if that
-//   is bright, it is removed first, or it would be blurred into a false rim.
-BokehPrefiltered BokehPrefilter(BOKEH_TEXTURE MapSamp, BOKEH_TEXTURE DilatedTilesSamp,
+// Layers: does the work of BokehPrefilter for 2 x 2 pixels
+//   middle        where they meet, pixels
+//   tile          of dilatedTiles
+BokehPrefiltered BokehPrefilterBlock(BOKEH_TEXTURE MapSamp, float2 middle, float4 tile,
     BokehLayerContext layers BOKEH_SAMPLER)
 {
     BokehGrid full = BokehFullGrid(layers);
-    float2 middle = floor(layers.uv * ceil(layers.size / 2.0)) * 2.0 + float2(1.0, 1.0);
-    float4 tile = BokehFetchGrid(DilatedTilesSamp, middle / 8.0, BokehReducedGrid(layers,
-        8.0) BOKEH_LINEAR);
     float nearSlope = BokehNearSlope(tile.r);
     float farSlope = BokehFarSlope(tile.g);
     float inverseBrightness = exp2(-tile.b);
     float maxWeight = 500000.0 / max(layers.largest, 50.0);
-    // the four pixels of this texel
+    // the four pixels
     float4 a = BokehFetchGrid(MapSamp, middle + float2(-0.5, -0.5), full BOKEH_LINEAR);
     float4 b = BokehFetchGrid(MapSamp, middle + float2(0.5, -0.5), full BOKEH_LINEAR);
     float4 c = BokehFetchGrid(MapSamp, middle + float2(-0.5, 0.5), full BOKEH_LINEAR);
@@ -494,7 +518,8 @@ BokehPrefiltered BokehPrefilter(BOKEH_TEXTURE MapSamp, BOKEH_TEXTURE DilatedTile
                 // four of the twelve pixels around those, one at each edge
                 if ((abs(offset.x) - abs(offset.y)) * offset.x * offset.y > 0.5)
                 {
-                    float4 pixel = BokehFetchGrid(MapSamp, middle + offset, full BOKEH_LINEAR);
+                    float4 pixel = BokehFetchGrid(MapSamp, middle + offset, full
+                        BOKEH_LINEAR);
                     around = BokehSurroundings(around, pixel, BokehLayerWeight(-pixel.a *
                         full.size.y, nearSlope), maxNearWeight);
                 }
@@ -520,6 +545,41 @@ BokehPrefiltered BokehPrefilter(BOKEH_TEXTURE MapSamp, BOKEH_TEXTURE DilatedTile
     return targets;
 }
 
+// Layers: sorts the pixels into a near and a far layer at half size
+//   Reads the CoC map and dilatedTiles. Writes both layers, and two targets for the passes after
+//   it: layerCoCSums, from which the CoC of each layer follows, and gatherCoC, which says how far
+//   the gather has to reach. Antialiased pixels of near edges hold light of what is behind; if that
+//   is bright, it is removed first, or it would be blurred into a false rim.
+BokehPrefiltered BokehPrefilter(BOKEH_TEXTURE MapSamp, BOKEH_TEXTURE DilatedTilesSamp,
+    BokehLayerContext layers BOKEH_SAMPLER)
+{
+    BokehGrid grid = BokehLayerGrid(layers);
+    float2 center = (floor(layers.uv * grid.size) + 0.5) * float(BOKEH_LAYER_SCALE);
+    float4 tile = BokehFetchGrid(DilatedTilesSamp, center / 8.0, BokehReducedGrid(layers, 8.0)
+        BOKEH_LINEAR);
+    BokehPrefiltered targets;
+    targets.nearLayer = float4(0.0, 0.0, 0.0, 0.0);
+    targets.farLayer = float4(0.0, 0.0, 0.0, 0.0);
+    targets.layerCoCSums = float4(0.0, 0.0, 0.0, 0.0);
+    targets.gatherCoC = float4(0.0, 0.0, 0.0, 1.0);
+    float share = 4.0 / float(BOKEH_LAYER_SCALE * BOKEH_LAYER_SCALE);
+    for (int y = 0; y < BOKEH_LAYER_SCALE / 2; y++)
+    {
+        for (int x = 0; x < BOKEH_LAYER_SCALE / 2; x++)
+        {
+            float2 middle = center + 2.0 * float2(float(x), float(y)) + (1.0 - 0.5 *
+                float(BOKEH_LAYER_SCALE));
+            BokehPrefiltered block = BokehPrefilterBlock(MapSamp, middle, tile,
+                layers BOKEH_LINEAR);
+            targets.nearLayer += block.nearLayer * share;
+            targets.farLayer += block.farLayer * share;
+            targets.layerCoCSums += block.layerCoCSums * share;
+            targets.gatherCoC = max(targets.gatherCoC, block.gatherCoC);
+        }
+    }
+    return targets;
+}
+
 // Layers: holds what is known of the CoC of a tile, and later of the tiles around it
 //   gatherCoC     rg = the largest
 //   sums          the mean of layerCoCSums
@@ -535,23 +595,25 @@ struct BokehTileSums
 BokehTileSums BokehLayerCoCReduce(BOKEH_TEXTURE SumsSamp, BOKEH_TEXTURE GatherCoCSamp,
     BokehLayerContext layers BOKEH_SAMPLER)
 {
-    BokehGrid halves = BokehReducedGrid(layers, 2.0);
-    float2 first = floor(layers.uv * ceil(layers.size / 8.0)) * 4.0 + float2(0.5, 0.5);
+    BokehGrid grid = BokehLayerGrid(layers);
+    // along a tile
+    int texels = 8 / BOKEH_LAYER_SCALE;
+    float2 first = floor(layers.uv * ceil(layers.size / 8.0)) * float(texels) + float2(0.5, 0.5);
     float4 sums = float4(0.0, 0.0, 0.0, 0.0);
     float2 gatherCoC = float2(0.0, 0.0);
-    for (int y = 0; y < 4; y++)
+    for (int y = 0; y < texels; y++)
     {
-        for (int x = 0; x < 4; x++)
+        for (int x = 0; x < texels; x++)
         {
             float2 place = first + float2(float(x), float(y));
-            sums += BokehFetchGrid(SumsSamp, place, halves BOKEH_LINEAR);
+            sums += BokehFetchGrid(SumsSamp, place, grid BOKEH_LINEAR);
             gatherCoC = max(gatherCoC, BokehFetchGrid(GatherCoCSamp, place,
-                halves BOKEH_LINEAR).rg);
+                grid BOKEH_LINEAR).rg);
         }
     }
     BokehTileSums targets;
     targets.gatherCoC = float4(gatherCoC, 0.0, 1.0);
-    targets.sums = sums / 16.0;
+    targets.sums = sums / float(texels * texels);
     return targets;
 }
 
@@ -642,7 +704,8 @@ BokehLayerCoCTargets BokehLayerCoCColumns(BOKEH_TEXTURE GatherCoCSamp, BOKEH_TEX
 // Layers: returns the CoC that the near and the far layer are blurred with here, pixels
 float2 BokehLayerCoC(BOKEH_TEXTURE LayerCoCSamp, BokehLayerContext layers BOKEH_SAMPLER)
 {
-    float2 place = layers.uv * ceil(layers.size / 2.0) / 4.0;
+    BokehGrid grid = BokehLayerGrid(layers);
+    float2 place = layers.uv * grid.size * (float(BOKEH_LAYER_SCALE) / 8.0);
     return BokehFetchGrid(LayerCoCSamp, place, BokehReducedGrid(layers, 8.0) BOKEH_LINEAR).rg;
 }
 
@@ -668,12 +731,12 @@ struct BokehBlur
 //   layerCoC      from BokehLayerCoC
 BokehBlur BokehLayerBlur(float2 layerCoC, bool isFar, BokehPolygon polygon)
 {
-    float CoC = 0.5 * layerCoC.r;
+    float CoC = layerCoC.r / float(BOKEH_LAYER_SCALE);
     float minSpacing = BOKEH_TUNED_NEAR_QUARTER;
     float selfBlur = BOKEH_TUNED_NEAR_SELF_BLUR;
     if (isFar)
     {
-        CoC = 0.5 * layerCoC.g;
+        CoC = layerCoC.g / float(BOKEH_LAYER_SCALE);
         minSpacing = BOKEH_TUNED_FAR_QUARTER;
         selfBlur = clamp(BOKEH_TUNED_FAR_SELF_BLUR * CoC * CoC, BOKEH_TUNED_FAR_SELF_BLUR_MIN,
             BOKEH_TUNED_FAR_SELF_BLUR_MAX);
@@ -706,7 +769,7 @@ BokehBlur BokehLayerBlur(float2 layerCoC, bool isFar, BokehPolygon polygon)
 float4 BokehQuarterLayer(BOKEH_TEXTURE LayerSamp, float2 center, float side,
     BokehLayerContext layers BOKEH_SAMPLER)
 {
-    BokehGrid halves = BokehReducedGrid(layers, 2.0);
+    BokehGrid grid = BokehLayerGrid(layers);
     float4 sum = float4(0.0, 0.0, 0.0, 0.0);
     if (side > 0.0)
     {
@@ -716,7 +779,7 @@ float4 BokehQuarterLayer(BOKEH_TEXTURE LayerSamp, float2 center, float side,
             {
                 float2 offset = float2(float(x) - 1.0, float(y) - 1.0);
                 float2 weight = 1.0 - (1.0 - side) * abs(offset);
-                sum += BokehFetchGrid(LayerSamp, center + 2.0 * offset, halves BOKEH_LINEAR) *
+                sum += BokehFetchGrid(LayerSamp, center + 2.0 * offset, grid BOKEH_LINEAR) *
                     (weight.x * weight.y);
             }
         }
@@ -724,7 +787,7 @@ float4 BokehQuarterLayer(BOKEH_TEXTURE LayerSamp, float2 center, float side,
     }
     else
     {
-        sum = BokehFetchGrid(LayerSamp, center, halves BOKEH_LINEAR);
+        sum = BokehFetchGrid(LayerSamp, center, grid BOKEH_LINEAR);
     }
     return sum;
 }
@@ -775,7 +838,7 @@ BokehDownsampled BokehDownsample(BOKEH_TEXTURE MapSamp, BOKEH_TEXTURE DilatedTil
             far += float4(pixel.rgb, 1.0) * (weight * farWeight);
         }
     }
-    float2 center = 0.5 * middlePlace;
+    float2 center = middlePlace / float(BOKEH_LAYER_SCALE);
     float2 layerCoC = BokehLayerCoC(LayerCoCSamp, layers BOKEH_LINEAR);
     BokehDownsampled targets;
     targets.midWithHoles = mid / 16.0;
@@ -903,7 +966,7 @@ BokehFilled BokehHoleFill(BOKEH_TEXTURE MidSamp, BOKEH_TEXTURE FarSamp,
 float4 BokehLayerLine(BOKEH_TEXTURE tex, BOKEH_TEXTURE QuarterSamp, int k, BokehPolygon polygon,
     bool secondPass, BokehBlur blur, BokehLayerContext layers BOKEH_SAMPLER)
 {
-    float scale = 2.0;
+    float scale = float(BOKEH_LAYER_SCALE);
     if (blur.useQuarterLayer)
     {
         scale = 4.0;
@@ -912,8 +975,10 @@ float4 BokehLayerLine(BOKEH_TEXTURE tex, BOKEH_TEXTURE QuarterSamp, int k, Bokeh
     float4 segment = BokehEdgeLine(k, polygon, secondPass) * blur.CoC;
     float samples = max(2.0 * length(segment.zw) / blur.spacing, 2.0);
     float phase = 0.5 + layers.jitter * min(blur.spacing - 1.0, 1.0);
-    float2 first = (layers.uv * ceil(layers.size / 2.0) + segment.xy - segment.zw) * (2.0 / scale);
-    float2 sampleStep = segment.zw * (4.0 / (scale * samples));
+    BokehGrid layerGrid = BokehLayerGrid(layers);
+    float2 first = (layers.uv * layerGrid.size + segment.xy - segment.zw) *
+        (float(BOKEH_LAYER_SCALE) / scale);
+    float2 sampleStep = segment.zw * (2.0 * float(BOKEH_LAYER_SCALE) / (scale * samples));
     float4 sum = float4(0.0, 0.0, 0.0, 0.0);
     BOKEH_LOOP for (int i = 0; i < int(ceil(samples)); i++)
     {
@@ -957,7 +1022,8 @@ float4 BokehLayerTarget(int k, BokehPolygon polygon, float4 L1, float4 L2, float
 BokehTargets BokehLayerFirst(BOKEH_TEXTURE LayerSamp, BOKEH_TEXTURE QuarterSamp, float2 layerCoC,
     bool isFar, int last, BokehPolygon polygon, BokehLayerContext layers BOKEH_SAMPLER)
 {
-    float2 center = layers.uv * ceil(layers.size / 2.0);
+    BokehGrid grid = BokehLayerGrid(layers);
+    float2 center = layers.uv * grid.size;
     float4 zero = float4(0.0, 0.0, 0.0, 0.0);
     BokehTargets targets;
     BokehBlur blur = BokehLayerBlur(layerCoC, isFar, polygon);
@@ -990,8 +1056,7 @@ BokehTargets BokehLayerFirst(BOKEH_TEXTURE LayerSamp, BOKEH_TEXTURE QuarterSamp,
     }
     else
     {
-        targets.strip2 = BokehFetchGrid(LayerSamp, center, BokehReducedGrid(layers,
-            2.0) BOKEH_LINEAR);
+        targets.strip2 = BokehFetchGrid(LayerSamp, center, grid BOKEH_LINEAR);
         targets.strip3 = targets.strip2;
         targets.strip4 = targets.strip2;
         targets.strip5 = targets.strip2;
@@ -1008,7 +1073,8 @@ float4 BokehLayerSecond(BOKEH_TEXTURE Strip2Samp, BOKEH_TEXTURE Strip3Samp,
     BOKEH_TEXTURE Strip4Samp, BOKEH_TEXTURE Strip5Samp, float2 layerCoC, bool isFar,
     BokehPolygon polygon, BokehLayerContext layers BOKEH_SAMPLER)
 {
-    float2 center = layers.uv * ceil(layers.size / 2.0);
+    BokehGrid grid = BokehLayerGrid(layers);
+    float2 center = layers.uv * grid.size;
     float4 result = float4(0.0, 0.0, 0.0, 0.0);
     BokehBlur blur = BokehLayerBlur(layerCoC, isFar, polygon);
     blur.useQuarterLayer = false;
@@ -1035,7 +1101,7 @@ float4 BokehLayerSecond(BOKEH_TEXTURE Strip2Samp, BOKEH_TEXTURE Strip3Samp,
     }
     else
     {
-        result = BokehFetchGrid(Strip2Samp, center, BokehReducedGrid(layers, 2.0) BOKEH_LINEAR);
+        result = BokehFetchGrid(Strip2Samp, center, grid BOKEH_LINEAR);
     }
     return result;
 }
@@ -1101,7 +1167,7 @@ BokehBlurred BokehLayersSecond(BOKEH_TEXTURE NearStrip2Samp, BOKEH_TEXTURE FarSt
 //            b          w3
 //
 //   place         texels of the half size
-float4 BokehFetchLayer(BOKEH_TEXTURE LayerSamp, float2 place, BokehGrid halves BOKEH_SAMPLER)
+float4 BokehFetchLayer(BOKEH_TEXTURE LayerSamp, float2 place, BokehGrid grid BOKEH_SAMPLER)
 {
     float4 result = float4(0.0, 0.0, 0.0, 0.0);
     if (BOKEH_LAYER_CUBIC > 0)
@@ -1113,11 +1179,11 @@ float4 BokehFetchLayer(BOKEH_TEXTURE LayerSamp, float2 place, BokehGrid halves B
         float2 w3 = f * f * (0.5 * f - 0.5);
         float2 w12 = 1.0 - w0 - w3;
         float2 inner = texel + w2 / w12;
-        float4 c = BokehFetchGrid(LayerSamp, inner, halves BOKEH_LINEAR);
-        float4 l = BokehFetchGrid(LayerSamp, float2(texel.x - 1.0, inner.y), halves BOKEH_LINEAR);
-        float4 r = BokehFetchGrid(LayerSamp, float2(texel.x + 2.0, inner.y), halves BOKEH_LINEAR);
-        float4 t = BokehFetchGrid(LayerSamp, float2(inner.x, texel.y - 1.0), halves BOKEH_LINEAR);
-        float4 b = BokehFetchGrid(LayerSamp, float2(inner.x, texel.y + 2.0), halves BOKEH_LINEAR);
+        float4 c = BokehFetchGrid(LayerSamp, inner, grid BOKEH_LINEAR);
+        float4 l = BokehFetchGrid(LayerSamp, float2(texel.x - 1.0, inner.y), grid BOKEH_LINEAR);
+        float4 r = BokehFetchGrid(LayerSamp, float2(texel.x + 2.0, inner.y), grid BOKEH_LINEAR);
+        float4 t = BokehFetchGrid(LayerSamp, float2(inner.x, texel.y - 1.0), grid BOKEH_LINEAR);
+        float4 b = BokehFetchGrid(LayerSamp, float2(inner.x, texel.y + 2.0), grid BOKEH_LINEAR);
         float2 side = w12.yx / (w12.x * w12.y + (w0.x + w3.x) * w12.y + (w0.y + w3.y) * w12.x);
         float4 sum = c * (w12.x * side.x) + l * (w0.x * side.x) + r * (w3.x * side.x) + t * (w0.y *
             side.y) + b * (w3.y * side.y);
@@ -1125,7 +1191,7 @@ float4 BokehFetchLayer(BOKEH_TEXTURE LayerSamp, float2 place, BokehGrid halves B
     }
     else
     {
-        result = BokehFetchGrid(LayerSamp, place, halves BOKEH_LINEAR);
+        result = BokehFetchGrid(LayerSamp, place, grid BOKEH_LINEAR);
     }
     return result;
 }
@@ -1264,8 +1330,8 @@ BokehGather BokehGatherTo(BokehGather before, BOKEH_TEXTURE MapSamp, int ring, i
     float outer = min(BokehRingBorder(ring, rings), end);
     if (ring <= BOKEH_LAYER_RINGS + 1 && gather.inner < outer)
     {
-        gather = BokehGatherRing(gather, MapSamp, ring, BokehSamplesPerEdge(min(density,
-            BOKEH_LAYER_RINGS), polygon), outer, polygon, layers BOKEH_LINEAR);
+        gather = BokehGatherRing(gather, MapSamp, ring, BokehSamplesPerEdge(max(min(density,
+            BOKEH_LAYER_RINGS), 1), polygon), outer, polygon, layers BOKEH_LINEAR);
     }
     return gather;
 }
@@ -1290,13 +1356,13 @@ float4 BokehComposite(BOKEH_TEXTURE MapSamp, BOKEH_TEXTURE GatherTilesSamp, BOKE
     float4 tile = BokehFetchGrid(GatherTilesSamp, center / 8.0, BokehReducedGrid(layers,
         8.0) BOKEH_LINEAR);
     float3 result = centerPixel.rgb;
-    BokehGrid halves = BokehReducedGrid(layers, 2.0);
+    BokehGrid grid = BokehLayerGrid(layers);
     float4 nearLayer = float4(0.0, 0.0, 0.0, 0.0);
     // only where BOKEH_SIDES is defined: shader model 3 has too few registers to keep the layer
     // during the gather
     if (BOKEH_SIDES > 0 && tile.r > BOKEH_TUNED_NEAR_START)
     {
-        nearLayer = BokehFetchLayer(NearSamp, 0.5 * center, halves BOKEH_LINEAR);
+        nearLayer = BokehFetchLayer(NearSamp, center / float(BOKEH_LAYER_SCALE), grid BOKEH_LINEAR);
     }
     // copy the input if nothing within reach is blurred by more than a pixel; a near layer may hide
     // everything else
@@ -1314,6 +1380,10 @@ float4 BokehComposite(BOKEH_TEXTURE MapSamp, BOKEH_TEXTURE GatherTilesSamp, BOKE
         float restRadius = clamp(16.0 - 16.0 * farWeight, 0.0, 1.0) * (1.0 - nearWeight) /
             sqrt(gather.inverse);
         float radius = max(max(restRadius, 0.01), 0.5 * max(tile.b, tile.a * farWeight));
+        if (BOKEH_LAYER_RINGS == 0)
+        {
+            radius = min(radius, BOKEH_TUNED_SINGLE_RADIUS);
+        }
         BokehRingLayout ringLayout;
         ringLayout.radius = radius;
         ringLayout.narrowing = clamp(radius / max(restRadius, 1.0) - 1.0, 0.0, 1.0);
@@ -1363,17 +1433,23 @@ float4 BokehComposite(BOKEH_TEXTURE MapSamp, BOKEH_TEXTURE GatherTilesSamp, BOKE
         if (BOKEH_SIDES > 0)
         {
             // each ring has a call of its own: its number of samples is then known, and compilers
-            // unroll its loops
-            gather = BokehGatherTo(gather, MapSamp, 1, 1, lastInner, ringLayout, polygon,
-                layers BOKEH_LINEAR);
-            gather = BokehGatherTo(gather, MapSamp, 2, 2, lastInner, ringLayout, polygon,
-                layers BOKEH_LINEAR);
-            gather = BokehGatherTo(gather, MapSamp, 3, 3, lastInner, ringLayout, polygon,
-                layers BOKEH_LINEAR);
-            gather = BokehGatherTo(gather, MapSamp, 4, 4, lastInner, ringLayout, polygon,
-                layers BOKEH_LINEAR);
-            gather = BokehGatherTo(gather, MapSamp, 5, 5, lastInner, ringLayout, polygon,
-                layers BOKEH_LINEAR);
+            // unroll its loops; up to a preset of one ring, the last call takes the additional one
+            if (BOKEH_LAYER_RINGS > 0)
+            {
+                gather = BokehGatherTo(gather, MapSamp, 1, 1, lastInner, ringLayout, polygon,
+                    layers BOKEH_LINEAR);
+            }
+            if (BOKEH_LAYER_RINGS > 1)
+            {
+                gather = BokehGatherTo(gather, MapSamp, 2, 2, lastInner, ringLayout, polygon,
+                    layers BOKEH_LINEAR);
+                gather = BokehGatherTo(gather, MapSamp, 3, 3, lastInner, ringLayout, polygon,
+                    layers BOKEH_LINEAR);
+                gather = BokehGatherTo(gather, MapSamp, 4, 4, lastInner, ringLayout, polygon,
+                    layers BOKEH_LINEAR);
+                gather = BokehGatherTo(gather, MapSamp, 5, 5, lastInner, ringLayout, polygon,
+                    layers BOKEH_LINEAR);
+            }
             // the last ring of a wide gather, with few samples
             gather = BokehGatherTo(gather, MapSamp, BOKEH_LAYER_RINGS + 1, 1, radius, ringLayout,
                 polygon, layers BOKEH_LINEAR);
@@ -1386,7 +1462,7 @@ float4 BokehComposite(BOKEH_TEXTURE MapSamp, BOKEH_TEXTURE GatherTilesSamp, BOKE
                 {
                     break;
                 }
-                int density = min(ring, BOKEH_LAYER_RINGS);
+                int density = max(min(ring, BOKEH_LAYER_RINGS), 1);
                 if (float(ring) > denseRings)
                 {
                     density = 1;
@@ -1402,9 +1478,11 @@ float4 BokehComposite(BOKEH_TEXTURE MapSamp, BOKEH_TEXTURE GatherTilesSamp, BOKE
         {
             if (BOKEH_SIDES == 0)
             {
-                nearLayer = BokehFetchLayer(NearSamp, 0.5 * center, halves BOKEH_LINEAR);
+                nearLayer = BokehFetchLayer(NearSamp, center / float(BOKEH_LAYER_SCALE), grid
+                    BOKEH_LINEAR);
             }
-            farLayer = BokehFetchLayer(FarSamp, 0.5 * center, halves BOKEH_LINEAR);
+            farLayer = BokehFetchLayer(FarSamp, center / float(BOKEH_LAYER_SCALE), grid
+                BOKEH_LINEAR);
         }
         BokehGrid quarters = BokehReducedGrid(layers, 4.0);
         // 1 at near pixels; at far pixels it grows with the coverage of the blurred near layer

@@ -390,7 +390,7 @@ BokehLayerContext BokehBeginTiles(float2 uv)
 //   last          as in BokehExactFirst
 BokehTargets BokehLayerPolygon(float2 uv, int last, BokehPolygon polygon)
 {
-    BokehLayerContext layers = BokehBeginLayers(uv, 2.0, 0.0);
+    BokehLayerContext layers = BokehBeginLayers(uv, float(BOKEH_LAYER_SCALE), 0.0);
     return BokehLayerFirst(BokehColorSamp, BokehColorSampB, BokehLayerCoC(BokehColorSampC,
         layers BOKEH_LINEAR), BokehLayer > 0.5, last, polygon, layers BOKEH_LINEAR);
 }
@@ -398,7 +398,7 @@ BokehTargets BokehLayerPolygon(float2 uv, int last, BokehPolygon polygon)
 // blurs one layer, second pass
 float4 BokehLayerResult(float2 uv, BOKEH_TEXTURE Strip5Samp, BokehPolygon polygon)
 {
-    BokehLayerContext layers = BokehBeginLayers(uv, 2.0, 1.0);
+    BokehLayerContext layers = BokehBeginLayers(uv, float(BOKEH_LAYER_SCALE), 1.0);
     return BokehLayerSecond(BokehColorSamp, BokehColorSampB, BokehColorSampC, Strip5Samp,
         BokehLayerCoC(BokehColorSampE, layers BOKEH_LINEAR), BokehLayer > 0.5, polygon,
         layers BOKEH_LINEAR);
@@ -407,7 +407,7 @@ float4 BokehLayerResult(float2 uv, BOKEH_TEXTURE Strip5Samp, BokehPolygon polygo
 // blurs both layers, first pass of a square or a hexagon
 BokehLayersTargets BokehBothPolygons(float2 uv, int sides)
 {
-    BokehLayerContext layers = BokehBeginLayers(uv, 2.0, 0.0);
+    BokehLayerContext layers = BokehBeginLayers(uv, float(BOKEH_LAYER_SCALE), 0.0);
     return BokehLayersFirst(BokehColorSamp, BokehColorSampB, BokehColorSampC, BokehColorSampD,
         BokehLayerCoC(BokehColorSampE, layers BOKEH_LINEAR), BokehAperture(uv, sides),
         layers BOKEH_LINEAR);
@@ -417,7 +417,7 @@ BokehLayersTargets BokehBothPolygons(float2 uv, int sides)
 BokehBlurred BokehBothResults(float2 uv, BOKEH_TEXTURE NearStrip3Samp, BOKEH_TEXTURE FarStrip3Samp,
     int sides)
 {
-    BokehLayerContext layers = BokehBeginLayers(uv, 2.0, 1.0);
+    BokehLayerContext layers = BokehBeginLayers(uv, float(BOKEH_LAYER_SCALE), 1.0);
     return BokehLayersSecond(BokehColorSamp, BokehColorSampB, NearStrip3Samp, FarStrip3Samp,
         BokehLayerCoC(BokehColorSampE, layers BOKEH_LINEAR), BokehAperture(uv, sides),
         layers BOKEH_LINEAR);

@@ -5,7 +5,7 @@ import { test } from 'node:test';
 import { CHANGES, VERSIONS, assertNear, openedWith, shared } from './three.js';
 
 const REFUSED = [
-  [{ preset: 'high' }, 'preset is "high". Give "MEDIUM", "LOW", "HIGH", "ULTRA"'],
+  [{ preset: 'high' }, 'preset is "high". Give "MEDIUM", "MOBILE", "LOW", "HIGH", "ULTRA"'],
   [{ sides: 5 }, 'sides is 5. Give 6, 4, 8, 10'],
   [{ sides: 12 }, 'sides is 12. Give 6, 4, 8, 10'],
   [{ method: 'foo' }, 'method is "foo". Give "layered", "exact", "paper"'],

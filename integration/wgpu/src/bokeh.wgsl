@@ -787,6 +787,7 @@ return BokehResolve(color, totalWeight, centerPixel, blurCoC);
 override BOKEH_LAYER_RINGS: i32 = 2;
 override BOKEH_LAYER_SAMPLES: i32 = 11;
 override BOKEH_LAYER_CUBIC: i32 = 1;
+override BOKEH_LAYER_SCALE: i32 = 2;
 const BOKEH_MIN_BRIGHTNESS: f32 = 0.00001;
 const BOKEH_TUNED_NEAR_START: f32 = 6.0;
 const BOKEH_TUNED_NEAR_FULL: f32 = 12.0;
@@ -803,6 +804,7 @@ const BOKEH_TUNED_FAR_QUARTER: f32 = 1.15;
 const BOKEH_TUNED_HEXAGON_SIDE: f32 = 0.4;
 const BOKEH_TUNED_SQUARE_SIDE: f32 = 0.2;
 const BOKEH_TUNED_RING_WIDTH: f32 = 3.0;
+const BOKEH_TUNED_SINGLE_RADIUS: f32 = 6.0;
 const BOKEH_TUNED_RING_POSITION: f32 = 0.58;
 const BOKEH_TUNED_RING_STEP: f32 = 0.04;
 const BOKEH_TUNED_PIXEL_BLUR: f32 = 0.6;
@@ -852,6 +854,10 @@ if (BOKEH_VIEWPORT > 0)
 grid.texel = 1.0 / ceil(floor(1.0 / layers.texel + 0.5) / scale);
 }
 return grid;
+}
+fn BokehLayerGrid(layers: BokehLayerContext) -> BokehGrid
+{
+return BokehReducedGrid(layers, f32(BOKEH_LAYER_SCALE));
 }
 fn BokehGridCoords(place: vec2f, grid: BokehGrid) -> vec2f
 {
@@ -992,13 +998,10 @@ result = vec4f(result.rgb, nearWeight * (around.a - brightest) / (around.a - lim
 }
 return result;
 }
-fn BokehPrefilter(MapSamp: texture_2d<f32>, DilatedTilesSamp: texture_2d<f32>,
+fn BokehPrefilterBlock(MapSamp: texture_2d<f32>, middle: vec2f, tile: vec4f,
 layers: BokehLayerContext, BokehLinearClamp: sampler) -> BokehPrefiltered
 {
 let full: BokehGrid = BokehFullGrid(layers);
-let middle: vec2f = floor(layers.uv * ceil(layers.size / 2.0)) * 2.0 + vec2f(1.0, 1.0);
-let tile: vec4f = BokehFetchGrid(DilatedTilesSamp, middle / 8.0, BokehReducedGrid(layers, 8.0),
-BokehLinearClamp);
 let nearSlope: f32 = BokehNearSlope(tile.r);
 let farSlope: f32 = BokehFarSlope(tile.g);
 let inverseBrightness: f32 = exp2(-tile.b);
@@ -1062,6 +1065,35 @@ targets.gatherCoC = vec4f(clamp(gatherCoC, vec2f(0.0, 0.0), vec2f(maxValue, maxV
 1.0);
 return targets;
 }
+fn BokehPrefilter(MapSamp: texture_2d<f32>, DilatedTilesSamp: texture_2d<f32>,
+layers: BokehLayerContext, BokehLinearClamp: sampler) -> BokehPrefiltered
+{
+let grid: BokehGrid = BokehLayerGrid(layers);
+let center: vec2f = (floor(layers.uv * grid.size) + 0.5) * f32(BOKEH_LAYER_SCALE);
+let tile: vec4f = BokehFetchGrid(DilatedTilesSamp, center / 8.0, BokehReducedGrid(layers, 8.0),
+BokehLinearClamp);
+var targets: BokehPrefiltered;
+targets.nearLayer = vec4f(0.0, 0.0, 0.0, 0.0);
+targets.farLayer = vec4f(0.0, 0.0, 0.0, 0.0);
+targets.layerCoCSums = vec4f(0.0, 0.0, 0.0, 0.0);
+targets.gatherCoC = vec4f(0.0, 0.0, 0.0, 1.0);
+let share: f32 = 4.0 / f32(BOKEH_LAYER_SCALE * BOKEH_LAYER_SCALE);
+for (var y: i32 = 0; y < BOKEH_LAYER_SCALE / 2; y++)
+{
+for (var x: i32 = 0; x < BOKEH_LAYER_SCALE / 2; x++)
+{
+let middle: vec2f = center + 2.0 * vec2f(f32(x), f32(y)) + (1.0 - 0.5 *
+f32(BOKEH_LAYER_SCALE));
+let block: BokehPrefiltered = BokehPrefilterBlock(MapSamp, middle, tile,
+layers, BokehLinearClamp);
+targets.nearLayer += block.nearLayer * share;
+targets.farLayer += block.farLayer * share;
+targets.layerCoCSums += block.layerCoCSums * share;
+targets.gatherCoC = max(targets.gatherCoC, block.gatherCoC);
+}
+}
+return targets;
+}
 struct BokehTileSums
 {
 gatherCoC: vec4f,
@@ -1070,23 +1102,24 @@ sums: vec4f,
 fn BokehLayerCoCReduce(SumsSamp: texture_2d<f32>, GatherCoCSamp: texture_2d<f32>,
 layers: BokehLayerContext, BokehLinearClamp: sampler) -> BokehTileSums
 {
-let halves: BokehGrid = BokehReducedGrid(layers, 2.0);
-let first: vec2f = floor(layers.uv * ceil(layers.size / 8.0)) * 4.0 + vec2f(0.5, 0.5);
+let grid: BokehGrid = BokehLayerGrid(layers);
+let texels: i32 = 8 / BOKEH_LAYER_SCALE;
+let first: vec2f = floor(layers.uv * ceil(layers.size / 8.0)) * f32(texels) + vec2f(0.5, 0.5);
 var sums: vec4f = vec4f(0.0, 0.0, 0.0, 0.0);
 var gatherCoC: vec2f = vec2f(0.0, 0.0);
-for (var y: i32 = 0; y < 4; y++)
+for (var y: i32 = 0; y < texels; y++)
 {
-for (var x: i32 = 0; x < 4; x++)
+for (var x: i32 = 0; x < texels; x++)
 {
 let place: vec2f = first + vec2f(f32(x), f32(y));
-sums += BokehFetchGrid(SumsSamp, place, halves, BokehLinearClamp);
-gatherCoC = max(gatherCoC, BokehFetchGrid(GatherCoCSamp, place, halves,
+sums += BokehFetchGrid(SumsSamp, place, grid, BokehLinearClamp);
+gatherCoC = max(gatherCoC, BokehFetchGrid(GatherCoCSamp, place, grid,
 BokehLinearClamp).rg);
 }
 }
 var targets: BokehTileSums;
 targets.gatherCoC = vec4f(gatherCoC, 0.0, 1.0);
-targets.sums = sums / 16.0;
+targets.sums = sums / f32(texels * texels);
 return targets;
 }
 fn BokehLayerCoCAlong(GatherCoCSamp: texture_2d<f32>, SumsSamp: texture_2d<f32>,
@@ -1160,7 +1193,8 @@ return targets;
 fn BokehLayerCoC(LayerCoCSamp: texture_2d<f32>, layers: BokehLayerContext,
 BokehLinearClamp: sampler) -> vec2f
 {
-let place: vec2f = layers.uv * ceil(layers.size / 2.0) / 4.0;
+let grid: BokehGrid = BokehLayerGrid(layers);
+let place: vec2f = layers.uv * grid.size * (f32(BOKEH_LAYER_SCALE) / 8.0);
 return BokehFetchGrid(LayerCoCSamp, place, BokehReducedGrid(layers, 8.0), BokehLinearClamp).rg;
 }
 struct BokehBlur
@@ -1172,12 +1206,12 @@ sideTap: f32,
 }
 fn BokehLayerBlur(layerCoC: vec2f, isFar: bool, polygon: BokehPolygon) -> BokehBlur
 {
-var CoC: f32 = 0.5 * layerCoC.r;
+var CoC: f32 = layerCoC.r / f32(BOKEH_LAYER_SCALE);
 var minSpacing: f32 = BOKEH_TUNED_NEAR_QUARTER;
 var selfBlur: f32 = BOKEH_TUNED_NEAR_SELF_BLUR;
 if (isFar)
 {
-CoC = 0.5 * layerCoC.g;
+CoC = layerCoC.g / f32(BOKEH_LAYER_SCALE);
 minSpacing = BOKEH_TUNED_FAR_QUARTER;
 selfBlur = clamp(BOKEH_TUNED_FAR_SELF_BLUR * CoC * CoC, BOKEH_TUNED_FAR_SELF_BLUR_MIN,
 BOKEH_TUNED_FAR_SELF_BLUR_MAX);
@@ -1204,7 +1238,7 @@ return blur;
 fn BokehQuarterLayer(LayerSamp: texture_2d<f32>, center: vec2f, side: f32,
 layers: BokehLayerContext, BokehLinearClamp: sampler) -> vec4f
 {
-let halves: BokehGrid = BokehReducedGrid(layers, 2.0);
+let grid: BokehGrid = BokehLayerGrid(layers);
 var sum: vec4f = vec4f(0.0, 0.0, 0.0, 0.0);
 if (side > 0.0)
 {
@@ -1214,7 +1248,7 @@ for (var x: i32 = 0; x < 3; x++)
 {
 let offset: vec2f = vec2f(f32(x) - 1.0, f32(y) - 1.0);
 let weight: vec2f = 1.0 - (1.0 - side) * abs(offset);
-sum += BokehFetchGrid(LayerSamp, center + 2.0 * offset, halves, BokehLinearClamp) *
+sum += BokehFetchGrid(LayerSamp, center + 2.0 * offset, grid, BokehLinearClamp) *
 (weight.x * weight.y);
 }
 }
@@ -1222,7 +1256,7 @@ sum = sum / ((1.0 + 2.0 * side) * (1.0 + 2.0 * side));
 }
 else
 {
-sum = BokehFetchGrid(LayerSamp, center, halves, BokehLinearClamp);
+sum = BokehFetchGrid(LayerSamp, center, grid, BokehLinearClamp);
 }
 return sum;
 }
@@ -1262,7 +1296,7 @@ mid += vec4f(pixel.rgb, 1.0) * (weight * (1.0 - farWeight));
 far += vec4f(pixel.rgb, 1.0) * (weight * farWeight);
 }
 }
-let center: vec2f = 0.5 * middlePlace;
+let center: vec2f = middlePlace / f32(BOKEH_LAYER_SCALE);
 let layerCoC: vec2f = BokehLayerCoC(LayerCoCSamp, layers, BokehLinearClamp);
 var targets: BokehDownsampled;
 targets.midWithHoles = mid / 16.0;
@@ -1355,7 +1389,7 @@ fn BokehLayerLine(tex: texture_2d<f32>, QuarterSamp: texture_2d<f32>, k: i32, po
 secondPass: bool, blur: BokehBlur, layers: BokehLayerContext,
 BokehLinearClamp: sampler) -> vec4f
 {
-var scale: f32 = 2.0;
+var scale: f32 = f32(BOKEH_LAYER_SCALE);
 if (blur.useQuarterLayer)
 {
 scale = 4.0;
@@ -1364,9 +1398,10 @@ let grid: BokehGrid = BokehReducedGrid(layers, scale);
 let segment: vec4f = BokehEdgeLine(k, polygon, secondPass) * blur.CoC;
 let samples: f32 = max(2.0 * length(segment.zw) / blur.spacing, 2.0);
 let phase: f32 = 0.5 + layers.jitter * min(blur.spacing - 1.0, 1.0);
-let first: vec2f = (layers.uv * ceil(layers.size / 2.0) + segment.xy - segment.zw) * (2.0 /
-scale);
-let sampleStep: vec2f = segment.zw * (4.0 / (scale * samples));
+let layerGrid: BokehGrid = BokehLayerGrid(layers);
+let first: vec2f = (layers.uv * layerGrid.size + segment.xy - segment.zw) *
+(f32(BOKEH_LAYER_SCALE) / scale);
+let sampleStep: vec2f = segment.zw * (2.0 * f32(BOKEH_LAYER_SCALE) / (scale * samples));
 var sum: vec4f = vec4f(0.0, 0.0, 0.0, 0.0);
 for (var i: i32 = 0; i < i32(ceil(samples)); i++)
 {
@@ -1400,7 +1435,8 @@ fn BokehLayerFirst(LayerSamp: texture_2d<f32>, QuarterSamp: texture_2d<f32>, lay
 isFar: bool, last: i32, polygon: BokehPolygon, layers: BokehLayerContext,
 BokehLinearClamp: sampler) -> BokehTargets
 {
-let center: vec2f = layers.uv * ceil(layers.size / 2.0);
+let grid: BokehGrid = BokehLayerGrid(layers);
+let center: vec2f = layers.uv * grid.size;
 let zero: vec4f = vec4f(0.0, 0.0, 0.0, 0.0);
 var targets: BokehTargets;
 let blur: BokehBlur = BokehLayerBlur(layerCoC, isFar, polygon);
@@ -1433,8 +1469,7 @@ targets.strip5 = BokehLayerTarget(5, polygon, L1, L2, L3, L4);
 }
 else
 {
-targets.strip2 = BokehFetchGrid(LayerSamp, center, BokehReducedGrid(layers, 2.0),
-BokehLinearClamp);
+targets.strip2 = BokehFetchGrid(LayerSamp, center, grid, BokehLinearClamp);
 targets.strip3 = targets.strip2;
 targets.strip4 = targets.strip2;
 targets.strip5 = targets.strip2;
@@ -1445,7 +1480,8 @@ fn BokehLayerSecond(Strip2Samp: texture_2d<f32>, Strip3Samp: texture_2d<f32>,
 Strip4Samp: texture_2d<f32>, Strip5Samp: texture_2d<f32>, layerCoC: vec2f, isFar: bool,
 polygon: BokehPolygon, layers: BokehLayerContext, BokehLinearClamp: sampler) -> vec4f
 {
-let center: vec2f = layers.uv * ceil(layers.size / 2.0);
+let grid: BokehGrid = BokehLayerGrid(layers);
+let center: vec2f = layers.uv * grid.size;
 var result: vec4f = vec4f(0.0, 0.0, 0.0, 0.0);
 var blur: BokehBlur = BokehLayerBlur(layerCoC, isFar, polygon);
 blur.useQuarterLayer = false;
@@ -1472,8 +1508,7 @@ result = result / polygon.area;
 }
 else
 {
-result = BokehFetchGrid(Strip2Samp, center, BokehReducedGrid(layers, 2.0),
-BokehLinearClamp);
+result = BokehFetchGrid(Strip2Samp, center, grid, BokehLinearClamp);
 }
 return result;
 }
@@ -1517,7 +1552,7 @@ targets.far = BokehLayerSecond(FarStrip2Samp, FarStrip3Samp, FarStrip3Samp, FarS
 layerCoC, true, polygon, layers, BokehLinearClamp);
 return targets;
 }
-fn BokehFetchLayer(LayerSamp: texture_2d<f32>, place: vec2f, halves: BokehGrid,
+fn BokehFetchLayer(LayerSamp: texture_2d<f32>, place: vec2f, grid: BokehGrid,
 BokehLinearClamp: sampler) -> vec4f
 {
 var result: vec4f = vec4f(0.0, 0.0, 0.0, 0.0);
@@ -1530,14 +1565,14 @@ let w2: vec2f = f * (f * (2.0 - 1.5 * f) + 0.5);
 let w3: vec2f = f * f * (0.5 * f - 0.5);
 let w12: vec2f = 1.0 - w0 - w3;
 let inner: vec2f = texel + w2 / w12;
-let c: vec4f = BokehFetchGrid(LayerSamp, inner, halves, BokehLinearClamp);
-let l: vec4f = BokehFetchGrid(LayerSamp, vec2f(texel.x - 1.0, inner.y), halves,
+let c: vec4f = BokehFetchGrid(LayerSamp, inner, grid, BokehLinearClamp);
+let l: vec4f = BokehFetchGrid(LayerSamp, vec2f(texel.x - 1.0, inner.y), grid,
 BokehLinearClamp);
-let r: vec4f = BokehFetchGrid(LayerSamp, vec2f(texel.x + 2.0, inner.y), halves,
+let r: vec4f = BokehFetchGrid(LayerSamp, vec2f(texel.x + 2.0, inner.y), grid,
 BokehLinearClamp);
-let t: vec4f = BokehFetchGrid(LayerSamp, vec2f(inner.x, texel.y - 1.0), halves,
+let t: vec4f = BokehFetchGrid(LayerSamp, vec2f(inner.x, texel.y - 1.0), grid,
 BokehLinearClamp);
-let b: vec4f = BokehFetchGrid(LayerSamp, vec2f(inner.x, texel.y + 2.0), halves,
+let b: vec4f = BokehFetchGrid(LayerSamp, vec2f(inner.x, texel.y + 2.0), grid,
 BokehLinearClamp);
 let side: vec2f = w12.yx / (w12.x * w12.y + (w0.x + w3.x) * w12.y + (w0.y + w3.y) * w12.x);
 let sum: vec4f = c * (w12.x * side.x) + l * (w0.x * side.x) + r * (w3.x * side.x) + t *
@@ -1546,7 +1581,7 @@ result = clamp(sum, min(min(c, min(l, r)), min(t, b)), max(max(c, max(l, r)), ma
 }
 else
 {
-result = BokehFetchGrid(LayerSamp, place, halves, BokehLinearClamp);
+result = BokehFetchGrid(LayerSamp, place, grid, BokehLinearClamp);
 }
 return result;
 }
@@ -1647,8 +1682,8 @@ var gather: BokehGather = before;
 let outer: f32 = min(BokehRingBorder(ring, rings), end);
 if (ring <= BOKEH_LAYER_RINGS + 1 && gather.inner < outer)
 {
-gather = BokehGatherRing(gather, MapSamp, ring, BokehSamplesPerEdge(min(density,
-BOKEH_LAYER_RINGS), polygon), outer, polygon, layers, BokehLinearClamp);
+gather = BokehGatherRing(gather, MapSamp, ring, BokehSamplesPerEdge(max(min(density,
+BOKEH_LAYER_RINGS), 1), polygon), outer, polygon, layers, BokehLinearClamp);
 }
 return gather;
 }
@@ -1663,11 +1698,12 @@ let centerPixel: vec4f = BokehFetchTexel(MapSamp, BokehToTexture(layers.uv));
 let tile: vec4f = BokehFetchGrid(GatherTilesSamp, center / 8.0, BokehReducedGrid(layers, 8.0),
 BokehLinearClamp);
 var result: vec3f = centerPixel.rgb;
-let halves: BokehGrid = BokehReducedGrid(layers, 2.0);
+let grid: BokehGrid = BokehLayerGrid(layers);
 var nearLayer: vec4f = vec4f(0.0, 0.0, 0.0, 0.0);
 if (BOKEH_SIDES > 0 && tile.r > BOKEH_TUNED_NEAR_START)
 {
-nearLayer = BokehFetchLayer(NearSamp, 0.5 * center, halves, BokehLinearClamp);
+nearLayer = BokehFetchLayer(NearSamp, center / f32(BOKEH_LAYER_SCALE), grid,
+BokehLinearClamp);
 }
 if (max(tile.r, tile.g) > 1.0 && nearLayer.a * BOKEH_TUNED_NEAR_ALPHA < 1.0)
 {
@@ -1681,7 +1717,11 @@ gather.nearWeight = nearWeight;
 gather.inverse = BokehSpreadInverse(vec2f(s, s)).x;
 let restRadius: f32 = clamp(16.0 - 16.0 * farWeight, 0.0, 1.0) * (1.0 - nearWeight) /
 sqrt(gather.inverse);
-let radius: f32 = max(max(restRadius, 0.01), 0.5 * max(tile.b, tile.a * farWeight));
+var radius: f32 = max(max(restRadius, 0.01), 0.5 * max(tile.b, tile.a * farWeight));
+if (BOKEH_LAYER_RINGS == 0)
+{
+radius = min(radius, BOKEH_TUNED_SINGLE_RADIUS);
+}
 var ringLayout: BokehRingLayout;
 ringLayout.radius = radius;
 ringLayout.narrowing = clamp(radius / max(restRadius, 1.0) - 1.0, 0.0, 1.0);
@@ -1717,8 +1757,13 @@ lastInner = min(BokehRingBorder(BOKEH_LAYER_RINGS, ringLayout), radius);
 }
 if (BOKEH_SIDES > 0)
 {
+if (BOKEH_LAYER_RINGS > 0)
+{
 gather = BokehGatherTo(gather, MapSamp, 1, 1, lastInner, ringLayout, polygon,
 layers, BokehLinearClamp);
+}
+if (BOKEH_LAYER_RINGS > 1)
+{
 gather = BokehGatherTo(gather, MapSamp, 2, 2, lastInner, ringLayout, polygon,
 layers, BokehLinearClamp);
 gather = BokehGatherTo(gather, MapSamp, 3, 3, lastInner, ringLayout, polygon,
@@ -1727,6 +1772,7 @@ gather = BokehGatherTo(gather, MapSamp, 4, 4, lastInner, ringLayout, polygon,
 layers, BokehLinearClamp);
 gather = BokehGatherTo(gather, MapSamp, 5, 5, lastInner, ringLayout, polygon,
 layers, BokehLinearClamp);
+}
 gather = BokehGatherTo(gather, MapSamp, BOKEH_LAYER_RINGS + 1, 1, radius, ringLayout,
 polygon, layers, BokehLinearClamp);
 }
@@ -1738,7 +1784,7 @@ if (gather.inner >= radius)
 {
 break;
 }
-var density: i32 = min(ring, BOKEH_LAYER_RINGS);
+var density: i32 = max(min(ring, BOKEH_LAYER_RINGS), 1);
 if (f32(ring) > denseRings)
 {
 density = 1;
@@ -1753,9 +1799,11 @@ if (max(tile.r - BOKEH_TUNED_NEAR_START, tile.g - BOKEH_TUNED_FAR_START) > 0.0)
 {
 if (BOKEH_SIDES == 0)
 {
-nearLayer = BokehFetchLayer(NearSamp, 0.5 * center, halves, BokehLinearClamp);
+nearLayer = BokehFetchLayer(NearSamp, center / f32(BOKEH_LAYER_SCALE), grid,
+BokehLinearClamp);
 }
-farLayer = BokehFetchLayer(FarSamp, 0.5 * center, halves, BokehLinearClamp);
+farLayer = BokehFetchLayer(FarSamp, center / f32(BOKEH_LAYER_SCALE), grid,
+BokehLinearClamp);
 }
 let quarters: BokehGrid = BokehReducedGrid(layers, 4.0);
 let behindNear: f32 = clamp(2.0 * farWeight * nearLayer.a - 0.25 + 1000.0 * nearWeight,
@@ -2163,21 +2211,21 @@ return BokehBeginLayers(uv, 1.0, 0.0);
 }
 fn BokehLayerPolygon(uv: vec2f, last: i32, polygon: BokehPolygon) -> BokehTargets
 {
-let layers: BokehLayerContext = BokehBeginLayers(uv, 2.0, 0.0);
+let layers: BokehLayerContext = BokehBeginLayers(uv, f32(BOKEH_LAYER_SCALE), 0.0);
 return BokehLayerFirst(BokehColorSamp, BokehColorSampB, BokehLayerCoC(BokehColorSampC, layers,
 BokehLinearClamp), bokehParameters.BokehLayer > 0.5, last, polygon, layers,
 BokehLinearClamp);
 }
 fn BokehLayerResult(uv: vec2f, Strip5Samp: texture_2d<f32>, polygon: BokehPolygon) -> vec4f
 {
-let layers: BokehLayerContext = BokehBeginLayers(uv, 2.0, 1.0);
+let layers: BokehLayerContext = BokehBeginLayers(uv, f32(BOKEH_LAYER_SCALE), 1.0);
 return BokehLayerSecond(BokehColorSamp, BokehColorSampB, BokehColorSampC, Strip5Samp,
 BokehLayerCoC(BokehColorSampE, layers, BokehLinearClamp), bokehParameters.BokehLayer >
 0.5, polygon, layers, BokehLinearClamp);
 }
 fn BokehBothPolygons(uv: vec2f, sides: i32) -> BokehLayersTargets
 {
-let layers: BokehLayerContext = BokehBeginLayers(uv, 2.0, 0.0);
+let layers: BokehLayerContext = BokehBeginLayers(uv, f32(BOKEH_LAYER_SCALE), 0.0);
 return BokehLayersFirst(BokehColorSamp, BokehColorSampB, BokehColorSampC, BokehColorSampD,
 BokehLayerCoC(BokehColorSampE, layers, BokehLinearClamp), BokehAperture(uv, sides),
 layers, BokehLinearClamp);
@@ -2185,7 +2233,7 @@ layers, BokehLinearClamp);
 fn BokehBothResults(uv: vec2f, NearStrip3Samp: texture_2d<f32>, FarStrip3Samp: texture_2d<f32>,
 sides: i32) -> BokehBlurred
 {
-let layers: BokehLayerContext = BokehBeginLayers(uv, 2.0, 1.0);
+let layers: BokehLayerContext = BokehBeginLayers(uv, f32(BOKEH_LAYER_SCALE), 1.0);
 return BokehLayersSecond(BokehColorSamp, BokehColorSampB, NearStrip3Samp, FarStrip3Samp,
 BokehLayerCoC(BokehColorSampE, layers, BokehLinearClamp), BokehAperture(uv, sides),
 layers, BokehLinearClamp);

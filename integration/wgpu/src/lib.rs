@@ -56,6 +56,7 @@ pub enum Polygon {
 /// How finely is sampled.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Preset {
+    Mobile,
     Low,
     #[default]
     Medium,
@@ -110,10 +111,18 @@ impl fmt::Display for Error {
 
 impl std::error::Error for Error {}
 
+impl Preset {
+    /// The scale of a pass with this preset: the table has layers of half size, and those of `Mobile` have a quarter.
+    fn scale(self, scale: u32) -> u32 {
+        if self == Self::Mobile && scale == 2 { 4 } else { scale }
+    }
+}
+
 /// The pipelines of one method, polygon and preset.
 pub struct Bokeh {
     polygon: Polygon,
     frame: &'static Frame,
+    preset: Preset,
     // all passes but the first, which reads depth
     pipelines: Vec<RenderPipeline>,
     single_sampled: ReadsDepth,
@@ -203,7 +212,7 @@ impl Bokeh {
             ..Default::default()
         });
         let multisampled = OnceLock::new();
-        Self { polygon, frame, pipelines, single_sampled, multisampled, constants, sampler, has_viewport }
+        Self { polygon, frame, preset, pipelines, single_sampled, multisampled, constants, sampler, has_viewport }
     }
 
     /// Textures for all passes, 31.6 bytes a pixel of the image for [`Method::Layered`], hexagon.
@@ -223,10 +232,11 @@ impl Bokeh {
         let mut views: HashMap<&str, TextureView> = HashMap::new();
         views.insert("color", color.create_view(&Default::default()));
         for pass in self.frame.passes {
+            let scale = self.preset.scale(pass.scale);
             for (name, number) in pass.writes.iter().zip(pass.memory) {
                 let texture = memory
                     .entry(*number)
-                    .or_insert_with(|| target(device, width.div_ceil(pass.scale), height.div_ceil(pass.scale)));
+                    .or_insert_with(|| target(device, width.div_ceil(scale), height.div_ceil(scale)));
                 views.insert(name, texture.create_view(&Default::default()));
             }
         }
@@ -266,7 +276,13 @@ impl Bokeh {
                 entries: &entries,
             });
             let targets = pass.writes.iter().map(|name| views[name].clone()).collect();
-            Step { entry: pass.entry, pipeline: pipeline.clone(), bindings, targets, scale: pass.scale }
+            Step {
+                entry: pass.entry,
+                pipeline: pipeline.clone(),
+                bindings,
+                targets,
+                scale: self.preset.scale(pass.scale),
+            }
         };
         let mut steps = vec![step(&reads_depth.map, &self.frame.passes[0], Some(&depth_view))];
         let others = self.pipelines.iter().zip(&self.frame.passes[1..]);

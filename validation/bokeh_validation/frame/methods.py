@@ -14,12 +14,25 @@ from bokeh_validation.shaders.passes import PAPER_SAMPLES, USUAL_SPACING, Pass
 # The shaders' names for the fields of Camera, in the same order
 LENS = ("BokehApertureDiameter", "BokehFocalLength", "BokehFocusDistance", "BokehSensorHeight", "BokehMaxCoC")
 FOCUS = {"Range": ("Front", "Back"), "Scale": ("Near", "Far"), "MaxCoC": ("Near", "Far")}
-# Preset of layered -> rings of the gather, samples on an edge of the layers, whether layers are enlarged bicubically
-PRESET_CONSTANTS = ("BOKEH_LAYER_RINGS", "BOKEH_LAYER_SAMPLES", "BOKEH_LAYER_CUBIC")
-PRESETS = {"low": (1, 11, 0), "medium": (2, 11, 1), "high": (3, 18, 1), "ultra": (4, 18, 1)}
+# Preset of layered -> rings of the gather, samples on an edge of the layers, whether layers are enlarged bicubically,
+# size of the image / size of a layer
+PRESET_CONSTANTS = ("BOKEH_LAYER_RINGS", "BOKEH_LAYER_SAMPLES", "BOKEH_LAYER_CUBIC", "BOKEH_LAYER_SCALE")
+PRESETS = {
+    "mobile": (0, 18, 0, 4),
+    "low": (1, 11, 0, 2),
+    "medium": (2, 11, 1, 2),
+    "high": (3, 18, 1, 2),
+    "ultra": (4, 18, 1, 2),
+}
 # Preset of exact -> maximum number of samples on a line, pixels between them
 EXACT_CONSTANTS = ("BOKEH_NUM_SAMPLES", "BOKEH_SPACING")
-EXACT_PRESETS = {"low": (5, 2.0), "medium": (9, USUAL_SPACING), "high": (17, 1.0), "ultra": (33, 1.0)}
+EXACT_PRESETS = {
+    "mobile": (5, 2.0),
+    "low": (5, 2.0),
+    "medium": (9, USUAL_SPACING),
+    "high": (17, 1.0),
+    "ultra": (33, 1.0),
+}
 # Maximum number of samples on a line with a given spacing, unless the settings say otherwise
 MOST_SAMPLES = 65
 # An edge is shorter than the line of a parallelogram that makes the same polygon by min: 1/2 of it in the hexagon,
@@ -250,14 +263,15 @@ def _layer_constants(settings: Settings, size: tuple[int, int]) -> tuple[dict, d
 
 
 def layered(settings: Settings, size: tuple[int, int]) -> Plan:
-    """Return the plan of the layered method: near and far layers at half size, and a gather of the rest
-    (bokeh_layers.*).
+    """Return the plan of the layered method: near and far layers at half size (the preset MOBILE: a quarter), and a
+    gather of the rest (bokeh_layers.*).
 
     The last pass writes 'result'. Without multiple render targets, a pass with several targets is drawn once for each.
     """
     sides = EXACT[settings.aperture]
     stem = f"Bokeh{settings.aperture.capitalize()}Layer"
     common, defines, known = _layer_constants(settings, size)
+    reduced = defines["BOKEH_LAYER_SCALE"]
     passes = [_coc_pass(settings, size, "BokehSignedCoCMap")]
 
     def add(scale: int, entry: str, inputs: tuple[str, ...], outputs: tuple[str, ...], **changed: float) -> None:
@@ -279,7 +293,7 @@ def layered(settings: Settings, size: tuple[int, int]) -> Plan:
     add(8, "BokehTileMax", ("coc",), ("tiles",))
     add(8, "BokehTileDilate", ("tiles",), ("tiles along rows",))
     add(8, "BokehTileDilate", ("tiles along rows",), (dilated,), BokehAxis=1.0)
-    add(2, "BokehPrefilter", ("coc", dilated), (*layers, "layer coc sums", "gather coc"))
+    add(reduced, "BokehPrefilter", ("coc", dilated), (*layers, "layer coc sums", "gather coc"))
     add(8, "BokehLayerCoCReduce", ("layer coc sums", "gather coc"), of_tiles)
     add(8, "BokehLayerCoCRows", (*of_tiles, dilated), of_rows)
     add(8, "BokehLayerCoCColumns", (*of_rows, dilated), ("gather tiles", blurs))
@@ -294,14 +308,14 @@ def layered(settings: Settings, size: tuple[int, int]) -> Plan:
             names = [name for pair in zip(*blurred.values(), strict=True) for name in pair]
             inputs, values = (layers[0], quarters[0], layers[1], quarters[1]), {}
             outputs = ("near blurred", "far blurred")
-        add(2, stem + "First", (*inputs, blurs), tuple(names), **values)
+        add(reduced, stem + "First", (*inputs, blurs), tuple(names), **values)
         second = stem + "Second"
         if not settings.use_mrt:
             # one program for all polygons, which needs a texture in every slot: the last strip fills the unused ones
             second, names = "BokehLayerSecondOne", names + names[-1:] * 3
         # the layer CoC is in the fifth slot, whatever the number of strips
         read = dict(zip(COLORS, names[:4], strict=False)) | {"ColorSampE": blurs}
-        passes.append(Pass(second, read, outputs, common | values, settings.count, defines, scale=2))
+        passes.append(Pass(second, read, outputs, common | values, settings.count, defines, scale=reduced))
         if together:
             break
     add(1, "BokehComposite", ("coc", "gather tiles", "near blurred", "far blurred", *fills), ("result",))

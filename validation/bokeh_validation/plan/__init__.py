@@ -64,6 +64,7 @@ NOTES = (
     "the CoC, 3 what is near and far.",
     "Constants that are not listed have the library's default, which is the preset MEDIUM. For another preset put its "
     "`define` before the files, in WGSL the constants that it `stands_for`; a preset with one of those is an error.",
+    "Where a preset's BOKEH_LAYER_SCALE is 4, a `scale` of 2 becomes 4 for the passes and the targets.",
 )
 
 

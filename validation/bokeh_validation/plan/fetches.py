@@ -4,6 +4,7 @@ from math import ceil, pi, sin
 
 import numpy as np
 
+from bokeh_validation.frame.methods import PRESET_CONSTANTS
 from bokeh_validation.shaders.entries import (
     ADAPTIVE,
     BOTH,
@@ -77,7 +78,7 @@ def _of_layers(render_pass: Pass) -> int:
     """Return the colour fetches of a pass of the layers, by the loops of bokeh_layers.*."""
     values = render_pass.values()
     sides = round(values["BokehSides"])
-    rings, samples, cubic = (render_pass.defines[f"BOKEH_LAYER_{name}"] for name in ("RINGS", "SAMPLES", "CUBIC"))
+    rings, samples, cubic, scale = (render_pass.defines[name] for name in PRESET_CONSTANTS)
     tiles = tiles_along(render_pass)
 
     def ring_samples(count: int) -> int:
@@ -90,8 +91,8 @@ def _of_layers(render_pass: Pass) -> int:
         layers_at_once = 2 if render_pass.spec.sides in BOTH else 1
         return 1 + layers_at_once * edges * along_edge
     # HoleFill takes three rings of the size of the gather's first one. A wide gather adds one such ring, except where
-    # Composite reads the fills, which are fewer fetches. A preset with a single ring adds it where one fill is read.
-    gather = ring_samples(rings) + ring_samples(1) + (rings == 1)
-    loop_counts = Most(tiles, 1 + 3 * ring_samples(1), 5 if cubic else 1, gather)
+    # Composite reads the fills, which are fewer fetches. A preset with at most one ring adds it where one fill is read.
+    gather = ring_samples(rings) + ring_samples(1) + (rings <= 1)
+    loop_counts = Most(tiles, 1 + 3 * ring_samples(1), 5 if cubic else 1, gather, scale)
     counts = ENTRIES[render_pass.spec.whole or render_pass.entry].fetches(loop_counts)
     return counts[1 + render_pass.constants["BOKEH_TARGET_INDEX"] if render_pass.spec.whole else 0]

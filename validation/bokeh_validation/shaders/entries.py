@@ -22,12 +22,14 @@ class Most:
     filled  texels that HoleFill reads from each of its two textures, the centre included
     layer   fetches with which Composite enlarges one layer
     gather  samples of Composite's gather
+    scale   size of the image / size of a layer
     """
 
     along: int
     filled: int
     layer: int
     gather: int
+    scale: int
 
 
 @dataclass(frozen=True)
@@ -81,8 +83,8 @@ def _layers(name: str, textures: int, targets: int, fetches: Callable[[Most], tu
 
 
 _SEVERAL = (
-    _layers("Prefilter", 2, 4, lambda most: (1 + 4 + 4, 9, 5, 9, 5)),
-    _layers("LayerCoCReduce", 2, 2, lambda most: (2 * 4 * 4, 16, 16)),
+    _layers("Prefilter", 2, 4, lambda most: tuple(1 + count * (most.scale // 2) ** 2 for count in (4 + 4, 8, 4, 8, 4))),
+    _layers("LayerCoCReduce", 2, 2, lambda most: tuple(count * (8 // most.scale) ** 2 for count in (2, 1, 1))),
     _layers("LayerCoCRows", 3, 2, lambda most: (1 + 2 * most.along, most.along, 1 + most.along)),
     _layers("LayerCoCColumns", 3, 2, lambda most: (2 + 2 * most.along, 1 + most.along, 2 + most.along)),
     _layers("Downsample", 5, 4, lambda most: (1 + 4 * 4 + 1 + 2 * 9, 17, 17, 10, 10)),

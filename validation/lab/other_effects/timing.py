@@ -23,7 +23,7 @@ LONGEST = 190.0
 BASE = "BokehPass"
 # Names in page/peers.js. Bevy's effects run on WebGPU only.
 OTHERS = tuple(name for name, (_, package, _) in EFFECTS.items() if package != CRATE)
-OURS = ("exact low", "exact medium", "layered low", "layered medium", "layered high")
+OURS = ("exact low", "exact medium", "layered mobile", "layered low", "layered medium", "layered high")
 # Step of the browser's clock, milliseconds; the least time of an effect
 RESOLUTION = 0.1
 

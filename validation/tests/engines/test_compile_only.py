@@ -37,7 +37,7 @@ SHADERS = {
 }
 # Targets of fxc and DXC for the shaders; and the presets, with the quicker compiler
 BUILDS = [(target, "") for target in ("ps_4_0", "ps_5_0", "SPIR-V", "DXIL")]
-BUILDS += [("SPIR-V", preset) for preset in ("LOW", "HIGH", "ULTRA")]
+BUILDS += [("SPIR-V", preset) for preset in ("MOBILE", "LOW", "HIGH", "ULTRA")]
 INCLUDE = re.compile(r'^[ \t]*#[ \t]*(?:include[ \t]+"([^"]+)"|pragma[ \t]+once)[^\n]*$', re.MULTILINE)
 
 
@@ -84,7 +84,7 @@ def compiled(source: str, target: str, entry: str, stage: str = "frag") -> Compi
 @pytest.mark.parametrize("engine", SHADERS)
 def test_shader(engine, target, preset):
     """Compile every pass without a warning."""
-    quality = ["LOW", "", "HIGH", "ULTRA"].index(preset)
+    quality = ["LOW", "", "HIGH", "ULTRA", "MOBILE"].index(preset)
     define = (
         f"#define BOKEH_PRESET_{preset} 1\n" if preset and engine == "unity" else f"#define BOKEH_QUALITY {quality}\n"
     )
@@ -197,8 +197,8 @@ def test_unity_presets():
         assert f"m_Shader: {{fileID: 4800000, guid: {guid}, type: 3}}" in text(path)
         assert f"m_Name: {path.stem}\n" in text(path)
         actual[path.stem] = re.findall(r"^  - (BOKEH_\w+)$", text(path), re.MULTILINE)
-    expected = {"Bokeh Low": ["BOKEH_PRESET_LOW"], "Bokeh Medium": [], "Bokeh High": ["BOKEH_PRESET_HIGH"]}
-    assert actual == {**expected, "Bokeh Ultra": ["BOKEH_PRESET_ULTRA"]}
+    expected = {f"Bokeh {name}": [f"BOKEH_PRESET_{name.upper()}"] for name in ("Mobile", "Low", "High", "Ultra")}
+    assert actual == {**expected, "Bokeh Medium": []}
     assert sorted(sum(actual.values(), [])) == sorted(keywords.split())
     feature = text(UNITY / "Runtime/BokehRendererFeature.cs")
     (named,) = re.findall(r'"Packages/com\.polygonal-bokeh\.urp/(.*?)"', feature)

@@ -230,7 +230,9 @@ def test_web_presets():
     text = (INTEGRATION / "web/frames.js").read_text(encoding="utf-8")
     names = re.findall(r"'(\w+)'", re.search(r"^const CONSTANTS = (.*)$", text, re.MULTILINE)[1])
     assert tuple(f"BOKEH_{name}" for name in names) == (*methods.EXACT_CONSTANTS, *methods.PRESET_CONSTANTS)
-    rows = re.findall(r"(\w+): \[([^]]*)\]", re.search(r"^const PRESETS = (.*)$", text, re.MULTILINE)[1])
+    rows = re.findall(
+        r"(\w+): \[([^]]*)\]", re.search(r"^const PRESETS = \{\n(.*?)^\};$", text, re.MULTILINE | re.DOTALL)[1]
+    )
     found = {name.lower(): tuple(float(value) for value in values.split(",")) for name, values in rows}
     assert found == {name: (*methods.EXACT_PRESETS[name], *methods.PRESETS[name]) for name in methods.PRESETS}
 
@@ -238,7 +240,7 @@ def test_web_presets():
 def test_bevy_presets():
     """Compare the constants that the plugin sets for a preset with the harness's. Spacing is a parameter."""
     plugin = (INTEGRATION / "bevy/src/lib.rs").read_text(encoding="utf-8")
-    (names,) = re.findall(r"^const CONSTANTS: .* = \[(.*)\];$", plugin, re.MULTILINE)
+    (names,) = re.findall(r"^const CONSTANTS: .* =\s+\[(.*)\];$", plugin, re.MULTILINE)
     assert tuple(re.findall(r"\w+", names)) == (methods.EXACT_CONSTANTS[0], *methods.PRESET_CONSTANTS)
     rows = re.findall(r"Self::(\w+) => \(\[(.*)\], (.*)\),", plugin)
     actual = {name.lower(): (*map(int, numbers.split(",")), float(spacing)) for name, numbers, spacing in rows}

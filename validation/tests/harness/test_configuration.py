@@ -26,8 +26,12 @@ def without(text: str, language: str, *stems: str) -> str:
 WRONG = {
     **{name: ({name: 1}, f"{name} must be 2 or more") for name in ("BOKEH_NUM_SAMPLES", "BOKEH_PAPER_SAMPLES")},
     **{f"{name} too": (HIGH | {name: 9}, PRESET) for name in ("BOKEH_NUM_SAMPLES", "BOKEH_SPACING")},
-    **{f"{name} too": (HIGH | {name: 1}, PRESET) for name in ("BOKEH_LAYER_RINGS", "BOKEH_LAYER_SAMPLES")},
+    **{
+        f"{name} too": (HIGH | {name: 1}, PRESET)
+        for name in ("BOKEH_LAYER_RINGS", "BOKEH_LAYER_SAMPLES", "BOKEH_LAYER_SCALE")
+    },
     **{f"HIGH, {name}": (HIGH | {f"BOKEH_PRESET_{name}": 1}, TWO) for name in ("LOW", "MEDIUM", "ULTRA")},
+    "LOW, MOBILE": ({"BOKEH_PRESET_LOW": 1, "BOKEH_PRESET_MOBILE": 1}, TWO),
 }
 WRONG_GLSL = {
     **{name: (shaders.glsl("BokehDebug", values=values), words) for name, (values, words) in WRONG.items()},

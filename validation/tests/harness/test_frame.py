@@ -176,9 +176,11 @@ def test_a_region_needs_its_markers():
 def test_layers_page():
     """Compare docs/methods/layered.md with the code: its presets, and the passes that it explains."""
     text = (paths.ROOT / "docs/methods/layered.md").read_text(encoding="utf-8")
-    rows = re.findall(r"^\| `BOKEH_PRESET_(\w+)`[^|]*\| (\d+) \| (\d+) \| (\w+) \|", text, re.MULTILINE)
+    row = r"^\| `BOKEH_PRESET_(\w+)`[^|]*\| (\d+) \| (\d+) \| (\w+) \| 1/(\d) \|$"
+    rows = re.findall(row, text, re.MULTILINE)
     enlarged = {"bilinear": 0, "cubic": 1}
-    assert {row[0].lower(): (int(row[1]), int(row[2]), enlarged[row[3]]) for row in rows} == methods.PRESETS
+    found = {name.lower(): (int(rings), int(most), enlarged[how], int(size)) for name, rings, most, how, size in rows}
+    assert found == methods.PRESETS
     explained = re.findall(r"\*\*(\w+)\*\*", text.split("## The passes")[1].split("\n## ")[0])
     steps = frame.frame(methods.Settings("layered"), SIZE)["passes"][1:]
     assert sorted(explained) == sorted({re.sub(r"Bokeh(?:Hexagon)?", "", step["entry"]) for step in steps})

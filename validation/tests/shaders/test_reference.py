@@ -120,6 +120,7 @@ CHANGES = [
     {"jitter": 1.0, "squeeze": 0.7},
     {"aperture": "octagon", "cats_eye": 0.7, "use_mrt": False},
     {"preset": "low"},
+    {"preset": "mobile"},
     {"method": "paper"},
     {"method": "exact", "spacing": 1.0, "cats_eye": 0.5},
     {"method": "naive", "samples": 7},

@@ -24,7 +24,7 @@ enum View { PICTURE, DEPTH, COC, FIELDS }
 	set(value):
 		sides = value
 		update_configuration_warnings()
-@export_enum("LOW", "MEDIUM", "HIGH", "ULTRA") var preset := "MEDIUM"
+@export_enum("MOBILE", "LOW", "MEDIUM", "HIGH", "ULTRA") var preset := "MEDIUM"
 ## Of the lens, whose focal length comes from the camera's field of view.
 @export var f_stop := 2.8
 ## How many times wider the blur is than that lens's: 1 is the real lens, 0 is none.
@@ -180,7 +180,9 @@ func _make(host: Viewport, size: Vector2i) -> void:
 		if "Scene" in call:
 			reads += "#include \"%s/scene.gdshaderinc\"\n" % folder
 		shader.code = PASS % [preset, sides, folder, folder, folder, reads, sides, call]
-		_add(row[0], Vector2i((Vector2(size) / row[1]).ceil()), shader)
+		# the table has layers of half size, and those of MOBILE have a quarter
+		var scale: int = 4 if preset == "MOBILE" and row[1] == 2 else row[1]
+		_add(row[0], Vector2i((Vector2(size) / scale).ceil()), shader)
 	var again := Shader.new()
 	again.code = "shader_type canvas_item; render_mode unshaded, blend_disabled; uniform sampler2D "\
 			+ "focus; void fragment() { COLOR = texelFetch(focus, ivec2(0, 0), 0); }"

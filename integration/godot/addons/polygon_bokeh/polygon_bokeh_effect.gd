@@ -18,7 +18,7 @@ const CONTEXT := &"polygon_bokeh"
 @export_enum("layered", "exact") var method := "layered"
 ## Of the aperture: 4, 6, 8 or 10.
 @export_enum("4:4", "6:6", "8:8", "10:10") var sides := 6
-@export_enum("LOW", "MEDIUM", "HIGH", "ULTRA") var preset := "MEDIUM"
+@export_enum("MOBILE", "LOW", "MEDIUM", "HIGH", "ULTRA") var preset := "MEDIUM"
 ## Of the lens, whose focal length comes from the camera's field of view.
 @export_range(0.1, 32.0, 0.1, "or_greater") var f_stop := 2.8
 ## How many times wider the blur is than that lens's: 1 is the real lens, 0 is none.
@@ -109,7 +109,7 @@ func _draw(
 		return
 	var targets: Array[RID] = []
 	for title: String in row[3]:
-		targets.append(_texture(buffers, view, size, title, row[1]))
+		targets.append(_texture(buffers, view, size, title, _scale(title)))
 	var uniforms: Array[RDUniform] = []
 	for slot: int in row[2].size():
 		var title: String = row[2][slot]
@@ -134,7 +134,8 @@ func _draw(
 func _scale(title: String) -> int:
 	for row: Array in Frames.FRAMES[method][sides]:
 		if title in row[3]:
-			return row[1]
+			# the table has layers of half size, and those of MOBILE have a quarter
+			return 4 if preset == "MOBILE" and row[1] == 2 else row[1]
 	return 1
 
 

@@ -11,7 +11,7 @@ import { BokehPass, DepthOfFieldEffect } from "./three_webgl.js";
 
 const OPEN = { BokehPass, DepthOfFieldNode, DepthOfFieldEffect, Babylon, CameraFrame, BevyBokeh, BevyGaussian };
 for (const method of ["exact", "layered"]) {
-  for (const preset of ["LOW", "MEDIUM", "HIGH", "ULTRA"]) {
+  for (const preset of ["MOBILE", "LOW", "MEDIUM", "HIGH", "ULTRA"]) {
     OPEN[`${method} ${preset.toLowerCase()}`] = polygonBokeh(method, preset);
   }
 }

@@ -21,7 +21,7 @@
 
 BOKEH_SETTING(int32, Enable, 1, "0: off");
 BOKEH_SETTING(int32, Method, 0, "0: layered, 1: exact (one layer, cheaper, near outlines stay hard), 2: the paper's");
-BOKEH_SETTING(int32, Preset, 1, "0: low, 1: medium, 2: high, 3: ultra");
+BOKEH_SETTING(int32, Preset, 1, "0: low, 1: medium, 2: high, 3: ultra, 4: mobile");
 BOKEH_SETTING(int32, Sides, 0, "4, 6, 8 or 10; the paper's method has 6 and 8; 0: by the camera's blades, or 6");
 BOKEH_SETTING(int32, Debug, 0, "0: off, 1: colour, 2: depth, 3: circle of confusion, 4: near and far field");
 BOKEH_SETTING(float, FStop, 0.0f, "of a lens with the view's field of view; 0: the camera's, or 2.8");
@@ -92,7 +92,7 @@ END_SHADER_PARAMETER_STRUCT()
 class FBokehShader : public FGlobalShader
 {
 public:
-    class FPreset : SHADER_PERMUTATION_INT("BOKEH_QUALITY", 4);
+    class FPreset : SHADER_PERMUTATION_INT("BOKEH_QUALITY", 5);
     using FPermutationDomain = TShaderPermutationDomain<FPreset>;
     using FParameters = FBokehParameters;
     FBokehShader() = default;
@@ -126,7 +126,7 @@ static void AddBokehPass(FRDGBuilder& GraphBuilder, const FSceneView& View, cons
     FBokehParameters* Given, const FIntRect& Area, FRHIBlendState* Blend)
 {
     typename ShaderType::FPermutationDomain Permutation;
-    Permutation.template Set<FBokehShader::FPreset>(FMath::Clamp(SettingPreset.GetValueOnRenderThread(), 0, 3));
+    Permutation.template Set<FBokehShader::FPreset>(FMath::Clamp(SettingPreset.GetValueOnRenderThread(), 0, 4));
     const FGlobalShaderMap* ShaderMap = GetGlobalShaderMap(View.GetFeatureLevel());
     const TShaderMapRef<ShaderType> PixelShader(ShaderMap, Permutation);
     FPixelShaderUtils::AddFullscreenPass(GraphBuilder, ShaderMap, RDG_EVENT_NAME("Bokeh %s", *Name), PixelShader, Given,
@@ -214,7 +214,9 @@ struct FBokehPasses
         // depth kind 0, the default: metres
         Given->BokehDepthSamp = Textures.FindRef(TEXT("metres"));
 
-        FIntRect Area(FIntPoint(0, 0), FIntPoint::DivideAndRoundUp(ViewRect.Size(), Step.Scale));
+        // the table has layers of half size, and those of the preset mobile have a quarter
+        const bool bQuarter = Step.Scale == 2 && SettingPreset.GetValueOnRenderThread() >= 4;
+        FIntRect Area(FIntPoint(0, 0), FIntPoint::DivideAndRoundUp(ViewRect.Size(), bQuarter ? 4 : Step.Scale));
         FRHIBlendState* Blend = nullptr;
         if (Writes[0] == TEXT("result"))
         {
