@@ -278,15 +278,17 @@ vec4 BokehFetchGrid(BOKEH_TEXTURE tex, vec2 place, BokehGrid grid)
     return BokehFetchTexture(tex, BokehGridCoords(place, grid));
 }
 
-// Layers: fetches with the filter at an offset from a pixel, with fewer instructions
-//   uv            of the pixel in the image
+// Layers: fetches with the filter at an offset from the middle of a pixel
+//   It divides, because grid.texel is rounded: in the middle of a dark texel, that error would show
+//   0.00001 of a light beside it.
+//   center        of the pixel, texels of the grid
 //   offset        texels of the grid
-vec4 BokehFetchAround(BOKEH_TEXTURE tex, vec2 uv, vec2 offset, BokehGrid grid)
+vec4 BokehFetchAround(BOKEH_TEXTURE tex, vec2 center, vec2 offset, BokehGrid grid)
 {
-    vec2 coords = uv + offset * grid.texel;
+    vec2 coords = (center + offset) / grid.size;
     if (BOKEH_VIEWPORT > 0)
     {
-        coords = BokehGridCoords(uv * grid.size + offset, grid);
+        coords = BokehGridCoords(center + offset, grid);
     }
     return BokehFetchTexture(tex, coords);
 }
@@ -1206,6 +1208,7 @@ float BokehRingBorder(int ring, BokehRingLayout rings)
 //   sum           colour times weight and weight of everything found
 //   front         the same of what is in front of this pixel
 //   farFound      weight of what was found in the far layer
+//   center        middle of this pixel, texels
 //   s, inverse, nearWeight  of this pixel: signed CoC in pixels, BokehSpreadInverse, near layer
 //                 weight
 //   slopes        of the near and the far layer
@@ -1218,6 +1221,7 @@ struct BokehGather
     vec4 sum;
     vec4 front;
     float farFound;
+    vec2 center;
     float s;
     float inverse;
     float nearWeight;
@@ -1273,8 +1277,8 @@ BokehGather BokehGatherRing(BokehGather before, BOKEH_TEXTURE MapSamp, int ring,
             vec2 offset = texel + clamp((place - texel) * (gather.snapping + 1.0) - 0.5 *
                 gather.snapping, zero, one);
             // this sample and the one opposite to it, both at once
-            vec4 pixel = BokehFetchAround(MapSamp, layers.uv, offset, full);
-            vec4 other = BokehFetchAround(MapSamp, layers.uv, -offset, full);
+            vec4 pixel = BokehFetchAround(MapSamp, gather.center, offset, full);
+            vec4 other = BokehFetchAround(MapSamp, gather.center, -offset, full);
             vec2 CoC = vec2(pixel.a, other.a) * full.size.y;
             vec2 isBehind = clamp(CoC * 2.0 - 2.0 * gather.s, zero, one) * (1.0 -
                 gather.nearWeight);
@@ -1329,7 +1333,8 @@ vec4 BokehComposite(BOKEH_TEXTURE MapSamp, BOKEH_TEXTURE GatherTilesSamp, BOKEH_
         BokehPolygon polygon, BokehLayerContext layers)
 {
     BokehGrid full = BokehFullGrid(layers);
-    vec2 center = layers.uv * full.size;
+    // without the rounding of uv, see BokehFetchAround
+    vec2 center = floor(layers.uv * full.size) + 0.5;
     vec4 centerPixel = BokehFetchTexel(MapSamp, BokehToTexture(layers.uv));
     vec4 tile = BokehFetchGrid(GatherTilesSamp, center / 8.0, BokehReducedGrid(layers, 8.0));
     vec3 result = centerPixel.rgb;
@@ -1347,6 +1352,7 @@ vec4 BokehComposite(BOKEH_TEXTURE MapSamp, BOKEH_TEXTURE GatherTilesSamp, BOKEH_
     {
         BokehGather gather;
         float s = centerPixel.a * full.size.y;
+        gather.center = center;
         gather.s = s;
         gather.slopes = vec2(BokehNearSlope(tile.r), BokehFarSlope(tile.g));
         float nearWeight = BokehLayerWeight(-s, gather.slopes.x);

@@ -229,16 +229,18 @@ fn BokehFetchGrid(tex: texture_2d<f32>, place: vec2f, grid: BokehGrid,
     return BokehFetchTexture(tex, BokehGridCoords(place, grid), BokehLinearClamp);
 }
 
-// Layers: fetches with the filter at an offset from a pixel, with fewer instructions
-//   uv            of the pixel in the image
+// Layers: fetches with the filter at an offset from the middle of a pixel
+//   It divides, because grid.texel is rounded: in the middle of a dark texel, that error would show
+//   0.00001 of a light beside it.
+//   center        of the pixel, texels of the grid
 //   offset        texels of the grid
-fn BokehFetchAround(tex: texture_2d<f32>, uv: vec2f, offset: vec2f, grid: BokehGrid,
+fn BokehFetchAround(tex: texture_2d<f32>, center: vec2f, offset: vec2f, grid: BokehGrid,
     BokehLinearClamp: sampler) -> vec4f
 {
-    var coords: vec2f = uv + offset * grid.texel;
+    var coords: vec2f = (center + offset) / grid.size;
     if (BOKEH_VIEWPORT > 0)
     {
-        coords = BokehGridCoords(uv * grid.size + offset, grid);
+        coords = BokehGridCoords(center + offset, grid);
     }
     return BokehFetchTexture(tex, coords, BokehLinearClamp);
 }
@@ -1199,6 +1201,7 @@ fn BokehRingBorder(ring: i32, rings: BokehRingLayout) -> f32
 //   sum           colour times weight and weight of everything found
 //   front         the same of what is in front of this pixel
 //   farFound      weight of what was found in the far layer
+//   center        middle of this pixel, texels
 //   s, inverse, nearWeight  of this pixel: signed CoC in pixels, BokehSpreadInverse, near layer
 //                 weight
 //   slopes        of the near and the far layer
@@ -1211,6 +1214,7 @@ struct BokehGather
     sum: vec4f,
     front: vec4f,
     farFound: f32,
+    center: vec2f,
     s: f32,
     inverse: f32,
     nearWeight: f32,
@@ -1267,8 +1271,9 @@ fn BokehGatherRing(before: BokehGather, MapSamp: texture_2d<f32>, ring: i32, onE
             let offset: vec2f = texel + clamp((place - texel) * (gather.snapping + 1.0) - 0.5 *
                 gather.snapping, zero, one);
             // this sample and the one opposite to it, both at once
-            let pixel: vec4f = BokehFetchAround(MapSamp, layers.uv, offset, full, BokehLinearClamp);
-            let other: vec4f = BokehFetchAround(MapSamp, layers.uv, -offset, full,
+            let pixel: vec4f = BokehFetchAround(MapSamp, gather.center, offset, full,
+                BokehLinearClamp);
+            let other: vec4f = BokehFetchAround(MapSamp, gather.center, -offset, full,
                 BokehLinearClamp);
             let CoC: vec2f = vec2f(pixel.a, other.a) * full.size.y;
             let isBehind: vec2f = clamp(CoC * 2.0 - 2.0 * gather.s, zero, one) * (1.0 -
@@ -1326,7 +1331,8 @@ fn BokehComposite(MapSamp: texture_2d<f32>, GatherTilesSamp: texture_2d<f32>,
     BokehLinearClamp: sampler) -> vec4f
 {
     let full: BokehGrid = BokehFullGrid(layers);
-    let center: vec2f = layers.uv * full.size;
+    // without the rounding of uv, see BokehFetchAround
+    let center: vec2f = floor(layers.uv * full.size) + 0.5;
     let centerPixel: vec4f = BokehFetchTexel(MapSamp, BokehToTexture(layers.uv));
     let tile: vec4f = BokehFetchGrid(GatherTilesSamp, center / 8.0, BokehReducedGrid(layers, 8.0),
         BokehLinearClamp);
@@ -1346,6 +1352,7 @@ fn BokehComposite(MapSamp: texture_2d<f32>, GatherTilesSamp: texture_2d<f32>,
     {
         var gather: BokehGather;
         let s: f32 = centerPixel.a * full.size.y;
+        gather.center = center;
         gather.s = s;
         gather.slopes = vec2f(BokehNearSlope(tile.r), BokehFarSlope(tile.g));
         let nearWeight: f32 = BokehLayerWeight(-s, gather.slopes.x);

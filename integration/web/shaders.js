@@ -977,12 +977,12 @@ vec4 BokehFetchGrid(BOKEH_TEXTURE tex,vec2 place,BokehGrid grid)
 {
 return BokehFetchTexture(tex,BokehGridCoords(place,grid));
 }
-vec4 BokehFetchAround(BOKEH_TEXTURE tex,vec2 uv,vec2 offset,BokehGrid grid)
+vec4 BokehFetchAround(BOKEH_TEXTURE tex,vec2 center,vec2 offset,BokehGrid grid)
 {
-vec2 coords=uv+offset*grid.texel;
+vec2 coords=(center+offset)/grid.size;
 if(BOKEH_VIEWPORT > 0)
 {
-coords=BokehGridCoords(uv*grid.size+offset,grid);
+coords=BokehGridCoords(center+offset,grid);
 }
 return BokehFetchTexture(tex,coords);
 }
@@ -1668,6 +1668,7 @@ struct BokehGather
 vec4 sum;
 vec4 front;
 float farFound;
+vec2 center;
 float s;
 float inverse;
 float nearWeight;
@@ -1709,8 +1710,8 @@ vec2 place=right*upright.x+upwards*upright.y;
 vec2 texel=floor(place);
 vec2 offset=texel+clamp((place-texel)*(gather.snapping+1.0)-0.5 *
 gather.snapping,zero,one);
-vec4 pixel=BokehFetchAround(MapSamp,layers.uv,offset,full);
-vec4 other=BokehFetchAround(MapSamp,layers.uv,-offset,full);
+vec4 pixel=BokehFetchAround(MapSamp,gather.center,offset,full);
+vec4 other=BokehFetchAround(MapSamp,gather.center,-offset,full);
 vec2 CoC=vec2(pixel.a,other.a)*full.size.y;
 vec2 isBehind=clamp(CoC*2.0-2.0*gather.s,zero,one)*(1.0 -
 gather.nearWeight);
@@ -1750,7 +1751,7 @@ BOKEH_TEXTURE FarSamp,BOKEH_TEXTURE MidFillSamp,BOKEH_TEXTURE FarFillSamp,
 BokehPolygon polygon,BokehLayerContext layers)
 {
 BokehGrid full=BokehFullGrid(layers);
-vec2 center=layers.uv*full.size;
+vec2 center=floor(layers.uv*full.size)+0.5;
 vec4 centerPixel=BokehFetchTexel(MapSamp,BokehToTexture(layers.uv));
 vec4 tile=BokehFetchGrid(GatherTilesSamp,center/8.0,BokehReducedGrid(layers,8.0));
 vec3 result=centerPixel.rgb;
@@ -1764,6 +1765,7 @@ if(max(tile.r,tile.g) > 1.0&&nearLayer.a*BOKEH_TUNED_NEAR_ALPHA < 1.0)
 {
 BokehGather gather;
 float s=centerPixel.a*full.size.y;
+gather.center=center;
 gather.s=s;
 gather.slopes=vec2(BokehNearSlope(tile.r),BokehFarSlope(tile.g));
 float nearWeight=BokehLayerWeight(-s,gather.slopes.x);
@@ -2912,13 +2914,13 @@ BokehLinearClamp:sampler)->vec4f
 {
 return BokehFetchTexture(tex,BokehGridCoords(place,grid),BokehLinearClamp);
 }
-fn BokehFetchAround(tex:texture_2d<f32>,uv:vec2f,offset:vec2f,grid:BokehGrid,
+fn BokehFetchAround(tex:texture_2d<f32>,center:vec2f,offset:vec2f,grid:BokehGrid,
 BokehLinearClamp:sampler)->vec4f
 {
-var coords=uv+offset*grid.texel;
+var coords=(center+offset)/grid.size;
 if(BOKEH_VIEWPORT > 0)
 {
-coords=BokehGridCoords(uv*grid.size+offset,grid);
+coords=BokehGridCoords(center+offset,grid);
 }
 return BokehFetchTexture(tex,coords,BokehLinearClamp);
 }
@@ -3645,6 +3647,7 @@ struct BokehGather
 sum:vec4f,
 front:vec4f,
 farFound:f32,
+center:vec2f,
 s:f32,
 inverse:f32,
 nearWeight:f32,
@@ -3687,8 +3690,9 @@ let place=right*upright.x+upwards*upright.y;
 let texel=floor(place);
 let offset=texel+clamp((place-texel)*(gather.snapping+1.0)-0.5 *
 gather.snapping,zero,one);
-let pixel=BokehFetchAround(MapSamp,layers.uv,offset,full,BokehLinearClamp);
-let other=BokehFetchAround(MapSamp,layers.uv,-offset,full,
+let pixel=BokehFetchAround(MapSamp,gather.center,offset,full,
+BokehLinearClamp);
+let other=BokehFetchAround(MapSamp,gather.center,-offset,full,
 BokehLinearClamp);
 let CoC=vec2f(pixel.a,other.a)*full.size.y;
 let isBehind=clamp(CoC*2.0-2.0*gather.s,zero,one)*(1.0 -
@@ -3731,7 +3735,7 @@ FarFillSamp:texture_2d<f32>,polygon:BokehPolygon,layers:BokehLayerContext,
 BokehLinearClamp:sampler)->vec4f
 {
 let full=BokehFullGrid(layers);
-let center=layers.uv*full.size;
+let center=floor(layers.uv*full.size)+0.5;
 let centerPixel=BokehFetchTexel(MapSamp,BokehToTexture(layers.uv));
 let tile=BokehFetchGrid(GatherTilesSamp,center/8.0,BokehReducedGrid(layers,8.0),
 BokehLinearClamp);
@@ -3747,6 +3751,7 @@ if(max(tile.r,tile.g) > 1.0&&nearLayer.a*BOKEH_TUNED_NEAR_ALPHA < 1.0)
 {
 var gather:BokehGather;
 let s=centerPixel.a*full.size.y;
+gather.center=center;
 gather.s=s;
 gather.slopes=vec2f(BokehNearSlope(tile.r),BokehFarSlope(tile.g));
 let nearWeight=BokehLayerWeight(-s,gather.slopes.x);

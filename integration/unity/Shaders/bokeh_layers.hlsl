@@ -279,15 +279,18 @@ float4 BokehFetchGrid(BOKEH_TEXTURE tex, float2 place, BokehGrid grid BOKEH_SAMP
     return BokehFetchTexture(tex, BokehGridCoords(place, grid) BOKEH_LINEAR);
 }
 
-// Layers: fetches with the filter at an offset from a pixel, with fewer instructions
-//   uv            of the pixel in the image
+// Layers: fetches with the filter at an offset from the middle of a pixel
+//   It divides, because grid.texel is rounded: in the middle of a dark texel, that error would show
+//   0.00001 of a light beside it.
+//   center        of the pixel, texels of the grid
 //   offset        texels of the grid
-float4 BokehFetchAround(BOKEH_TEXTURE tex, float2 uv, float2 offset, BokehGrid grid BOKEH_SAMPLER)
+float4 BokehFetchAround(BOKEH_TEXTURE tex, float2 center, float2 offset,
+    BokehGrid grid BOKEH_SAMPLER)
 {
-    float2 coords = uv + offset * grid.texel;
+    float2 coords = (center + offset) / grid.size;
     if (BOKEH_VIEWPORT > 0)
     {
-        coords = BokehGridCoords(uv * grid.size + offset, grid);
+        coords = BokehGridCoords(center + offset, grid);
     }
     return BokehFetchTexture(tex, coords BOKEH_LINEAR);
 }
@@ -1228,6 +1231,7 @@ float BokehRingBorder(int ring, BokehRingLayout rings)
 //   sum           colour times weight and weight of everything found
 //   front         the same of what is in front of this pixel
 //   farFound      weight of what was found in the far layer
+//   center        middle of this pixel, texels
 //   s, inverse, nearWeight  of this pixel: signed CoC in pixels, BokehSpreadInverse, near layer
 //                 weight
 //   slopes        of the near and the far layer
@@ -1240,6 +1244,7 @@ struct BokehGather
     float4 sum;
     float4 front;
     float farFound;
+    float2 center;
     float s;
     float inverse;
     float nearWeight;
@@ -1295,8 +1300,8 @@ BokehGather BokehGatherRing(BokehGather before, BOKEH_TEXTURE MapSamp, int ring,
             float2 offset = texel + clamp((place - texel) * (gather.snapping + 1.0) - 0.5 *
                 gather.snapping, zero, one);
             // this sample and the one opposite to it, both at once
-            float4 pixel = BokehFetchAround(MapSamp, layers.uv, offset, full BOKEH_LINEAR);
-            float4 other = BokehFetchAround(MapSamp, layers.uv, -offset, full BOKEH_LINEAR);
+            float4 pixel = BokehFetchAround(MapSamp, gather.center, offset, full BOKEH_LINEAR);
+            float4 other = BokehFetchAround(MapSamp, gather.center, -offset, full BOKEH_LINEAR);
             float2 CoC = float2(pixel.a, other.a) * full.size.y;
             float2 isBehind = clamp(CoC * 2.0 - 2.0 * gather.s, zero, one) * (1.0 -
                 gather.nearWeight);
@@ -1351,7 +1356,8 @@ float4 BokehComposite(BOKEH_TEXTURE MapSamp, BOKEH_TEXTURE GatherTilesSamp, BOKE
         BokehPolygon polygon, BokehLayerContext layers BOKEH_SAMPLER)
 {
     BokehGrid full = BokehFullGrid(layers);
-    float2 center = layers.uv * full.size;
+    // without the rounding of uv, see BokehFetchAround
+    float2 center = floor(layers.uv * full.size) + 0.5;
     float4 centerPixel = BokehFetchTexel(MapSamp, BokehToTexture(layers.uv));
     float4 tile = BokehFetchGrid(GatherTilesSamp, center / 8.0, BokehReducedGrid(layers,
         8.0) BOKEH_LINEAR);
@@ -1370,6 +1376,7 @@ float4 BokehComposite(BOKEH_TEXTURE MapSamp, BOKEH_TEXTURE GatherTilesSamp, BOKE
     {
         BokehGather gather;
         float s = centerPixel.a * full.size.y;
+        gather.center = center;
         gather.s = s;
         gather.slopes = float2(BokehNearSlope(tile.r), BokehFarSlope(tile.g));
         float nearWeight = BokehLayerWeight(-s, gather.slopes.x);

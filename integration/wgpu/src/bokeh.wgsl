@@ -874,13 +874,13 @@ BokehLinearClamp: sampler) -> vec4f
 {
 return BokehFetchTexture(tex, BokehGridCoords(place, grid), BokehLinearClamp);
 }
-fn BokehFetchAround(tex: texture_2d<f32>, uv: vec2f, offset: vec2f, grid: BokehGrid,
+fn BokehFetchAround(tex: texture_2d<f32>, center: vec2f, offset: vec2f, grid: BokehGrid,
 BokehLinearClamp: sampler) -> vec4f
 {
-var coords: vec2f = uv + offset * grid.texel;
+var coords: vec2f = (center + offset) / grid.size;
 if (BOKEH_VIEWPORT > 0)
 {
-coords = BokehGridCoords(uv * grid.size + offset, grid);
+coords = BokehGridCoords(center + offset, grid);
 }
 return BokehFetchTexture(tex, coords, BokehLinearClamp);
 }
@@ -1607,6 +1607,7 @@ struct BokehGather
 sum: vec4f,
 front: vec4f,
 farFound: f32,
+center: vec2f,
 s: f32,
 inverse: f32,
 nearWeight: f32,
@@ -1649,8 +1650,9 @@ let place: vec2f = right * upright.x + upwards * upright.y;
 let texel: vec2f = floor(place);
 let offset: vec2f = texel + clamp((place - texel) * (gather.snapping + 1.0) - 0.5 *
 gather.snapping, zero, one);
-let pixel: vec4f = BokehFetchAround(MapSamp, layers.uv, offset, full, BokehLinearClamp);
-let other: vec4f = BokehFetchAround(MapSamp, layers.uv, -offset, full,
+let pixel: vec4f = BokehFetchAround(MapSamp, gather.center, offset, full,
+BokehLinearClamp);
+let other: vec4f = BokehFetchAround(MapSamp, gather.center, -offset, full,
 BokehLinearClamp);
 let CoC: vec2f = vec2f(pixel.a, other.a) * full.size.y;
 let isBehind: vec2f = clamp(CoC * 2.0 - 2.0 * gather.s, zero, one) * (1.0 -
@@ -1693,7 +1695,7 @@ FarFillSamp: texture_2d<f32>, polygon: BokehPolygon, layers: BokehLayerContext,
 BokehLinearClamp: sampler) -> vec4f
 {
 let full: BokehGrid = BokehFullGrid(layers);
-let center: vec2f = layers.uv * full.size;
+let center: vec2f = floor(layers.uv * full.size) + 0.5;
 let centerPixel: vec4f = BokehFetchTexel(MapSamp, BokehToTexture(layers.uv));
 let tile: vec4f = BokehFetchGrid(GatherTilesSamp, center / 8.0, BokehReducedGrid(layers, 8.0),
 BokehLinearClamp);
@@ -1709,6 +1711,7 @@ if (max(tile.r, tile.g) > 1.0 && nearLayer.a * BOKEH_TUNED_NEAR_ALPHA < 1.0)
 {
 var gather: BokehGather;
 let s: f32 = centerPixel.a * full.size.y;
+gather.center = center;
 gather.s = s;
 gather.slopes = vec2f(BokehNearSlope(tile.r), BokehFarSlope(tile.g));
 let nearWeight: f32 = BokehLayerWeight(-s, gather.slopes.x);
