@@ -16,17 +16,21 @@ const TYPES = { '.css': 'text/css', '.html': 'text/html', '.js': 'text/javascrip
 const START_LIMIT = 60_000; // milliseconds; it takes 2000
 const CALL_LIMIT = 240_000; // of a call; the longest takes 30000
 
+// Start a browser for several pages, one after another; the caller closes it.
+export const started = (flags = []) => launched(chromium, flags);
+
 // Open page.html. `places` is [[beginning of an address, folder or Buffer], ...], tried in this order. The page makes
-// window.bokeh, an object of functions. Returns { page, call(name, argument), close() }: `page` is Playwright's, and a
-// call throws also what the page only wrote to the console since the last one.
-export async function opened(places, flags = []) {
-  const browser = await launched(chromium, flags);
-  const page = await browser.newPage();
+// window.bokeh, an object of functions. Without a `browser` it is opened in a new one. Returns
+// { page, call(name, argument), close() }: `page` is Playwright's, and a call throws also what the page only wrote to
+// the console since the last one.
+export async function opened(places, flags = [], browser = null) {
+  const own = browser ?? (await started(flags));
+  const page = await own.newPage();
   const errors = errorsOf(page);
   const throwErrors = () => {
     if (errors.length) throw new Error([...new Set(errors.splice(0))].join('\n'));
   };
-  const close = () => browser.close();
+  const close = () => (browser ? page : own).close();
   try {
     await page.route('**/*', (route) => answer(route, places));
     await page.goto(`${ADDRESS}page.html`);

@@ -12,7 +12,8 @@ import { pass } from 'three/tsl';
 import { RenderPipeline, RenderTarget, WebGPURenderer } from 'three/webgpu';
 import { SIZE, makeScene } from './scene.js';
 
-const FRAMES = 12; // until a change is drawn, and all is mounted
+const FRAMES = 4; // after React has mounted the page, until a change begins or an error of one is told
+const SILENT = 600; // frames without either: something hangs
 const frame = () => new Promise(requestAnimationFrame);
 const { scene, camera, subject } = makeScene(1);
 const orthographic = new THREE.OrthographicCamera(-1.5, 1.5, 1, -1, 0.2, 40);
@@ -47,19 +48,22 @@ class Boundary extends Component {
   }
 }
 
-function Chosen({ kind }) {
+function Chosen({ kind, number }) {
   const { set, gl } = useThree();
   useLayoutEffect(() => {
     found.renderer = gl;
     set({ camera: cameras[kind] });
   }, [kind]);
+  useLayoutEffect(() => {
+    found.number = number;
+  }, [number]);
 }
 
-function Page({ renderer = 'webgl', component = renderer, kind = 'perspective', chain, props }) {
+function Page({ number, renderer = 'webgl', component = renderer, kind = 'perspective', chain, props }) {
   const bokeh = { fStop: 1.4, bokehScale: 20, focus: subject, ref: (node) => (found.bokeh = node ?? found.bokeh), ...props };
   return (
     <Canvas camera={cameras[kind]} scene={scene} flat dpr={1} gl={renderers[renderer]}>
-      <Chosen kind={kind} />
+      <Chosen kind={kind} number={number} />
       {component === 'webgpu' ? (
         <WithPipeline {...CHAINS[chain]} {...bokeh} />
       ) : (
@@ -76,6 +80,7 @@ element.style = `width: ${SIZE[0]}px; height: ${SIZE[1]}px`;
 document.body.append(element);
 const root = createRoot(element, { onCaughtError: () => {} });
 let mounted = 0;
+let asked = 0;
 
 // What a canvas, or for WebGPU the node, shows: numbers of RGBA
 async function image(renderer) {
@@ -95,8 +100,10 @@ window.bokeh = {
     if (anew) mounted += 1;
     Object.assign(found, { error: null });
     logged.length = 0;
-    root.render(<Boundary key={mounted}><Page {...settings} /></Boundary>);
-    for (let i = 0; i < (anew ? 3 : 1) * FRAMES; i++) await frame();
+    asked += 1;
+    root.render(<Boundary key={mounted}><Page {...settings} number={asked} /></Boundary>);
+    for (let i = 0; i < SILENT && found.number !== asked && !found.error; i++) await frame();
+    for (let i = 0; i < FRAMES; i++) await frame();
     const { error } = found;
     // shaders are compiled beside the frames, and one frame draws with them
     while (!error && found.bokeh.changing && found.bokeh.passes !== found.bokeh.changing.passes) await frame();
