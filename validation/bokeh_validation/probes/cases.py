@@ -52,7 +52,8 @@ WIDEST = {"camera": Camera(1.8, 0.05, 8.0, max_coc=1.0)}
 # far CoC of at most 9.5 pixels in 50 rows: no layer, and one more ring than the preset has
 MODERATE = {"camera": Camera(1.8, 0.05, 8.0, max_coc=0.19), "focus": methods.Focus(scale=(0.0, 1.0))}
 PAPER, EXACT = Settings("paper", "hexagon", 5, **ALL), Settings("exact", "hexagon", 5, **ALL)
-LAYERED = Settings("layered", "hexagon", 5, jitter=0.5, frame=3, **ALL)
+# layered does not read the number of samples, but a driver compiles its programs again for each: always give 7
+LAYERED = Settings("layered", "hexagon", 7, jitter=0.5, frame=3, **ALL)
 CAMERA = Camera(0.1, 0.05, 4.0, max_coc=0.3)
 # fills both layers: near CoC of up to 25 pixels, far CoC of up to 17
 BOTH_FULL = Camera(3.3, 0.05, 8.0, max_coc=0.9)
@@ -222,8 +223,9 @@ WIDE_FAR = Camera(0.4, 0.05, 4.0, max_coc=0.5)
 CUT_LAYERS = [
     {"rotation": 17.0},
     {"aperture": "square", "squeeze": 0.5},
-    {"aperture": "octagon", "use_mrt": False, "rotation": 5.0},
-    {"aperture": "decagon", "jitter": 1.0, "frame": 3},
+    # Mesa takes half a minute to compile these passes; with jitter they are the programs of "layered, cut, one target"
+    {"aperture": "octagon", "use_mrt": False, "rotation": 5.0, "jitter": 1.0, "frame": 3},
+    {"aperture": "decagon"},
     {"camera": WIDE_FAR, "rotation": 17.0, "cats_eye": 0.9},
     {"camera": WIDE_FAR, "aperture": "decagon", "use_mrt": False, "cats_eye": 0.9},
 ]
