@@ -6,7 +6,8 @@ import typer
 
 from bokeh_validation import terminal
 from bokeh_validation.errors import UserError
-from bokeh_validation.truth import DEFAULT, METHODS, labels, ray_traced, ray_traced_report
+from bokeh_validation.truth import DEFAULT, METHODS, labels, ray_traced
+from lab import ray_traced_score
 from lab.rasterised import motion, random_score
 
 # Limit set by the memory for the worst crops
@@ -56,6 +57,6 @@ def truth(
     elif sequence is not None:
         rows, lines = motion.report(chosen, active_driver.name, adapter, names)
     else:
-        rows, lines = ray_traced_report(chosen, active_driver, scenes)
+        rows, lines = ray_traced_score.report(chosen, active_driver, scenes)
     terminal.write_json(json_file, {"driver": active_driver.name, "adapter": active_driver.adapter, "rows": rows})
     terminal.tell(*lines, f"{active_driver.name} ({active_driver.adapter})")

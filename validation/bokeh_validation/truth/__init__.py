@@ -1,10 +1,8 @@
 """Draw every ray-traced scene with every method, and compare the results with a lens."""
 
-from collections.abc import Mapping, Sequence
-
 import numpy as np
 
-from bokeh_validation import metrics, terminal
+from bokeh_validation import metrics
 from bokeh_validation.drivers.base import Driver
 from bokeh_validation.probes.model import Case
 from bokeh_validation.truth import labels, ray_traced
@@ -36,27 +34,3 @@ def measured(image: np.ndarray, lens: np.ndarray) -> dict[str, float]:
     """
     light = image[..., :3].astype(np.float64).sum() / lens[..., :3].astype(np.float64).sum()
     return {"flip": metrics.flip(image, lens), "psnr": metrics.psnr(image, lens), "light": float(light)}
-
-
-def markdown(rows: Sequence[Mapping]) -> list[str]:
-    """Return a Markdown table with a row per method and a column per scene: FLIP, PSNR in dB, light kept."""
-    names = dict.fromkeys(row["scene"] for row in rows)
-    lines = [f"| | {' | '.join(names)} |", f"|{'---|' * (len(names) + 1)}"]
-    for label in dict.fromkeys(row["label"] for row in rows):
-        cells = ["{flip:.4f}/{psnr:.2f}/{light:.3f}".format_map(row) for row in rows if row["label"] == label]
-        lines.append(f"| {label} | {' | '.join(cells)} |")
-    return lines
-
-
-def ray_traced_report(
-    methods: Sequence[str], driver: Driver, scenes: Sequence[SceneFile]
-) -> tuple[list[dict], list[str]]:
-    """Measure the methods on the scenes; returns the rows and their Markdown table."""
-    rows = []
-    with terminal.progress("truth", len(scenes) * len(methods)) as step:
-        for file in scenes:
-            lens = ray_traced.truth(file, "hexagon")
-            for label in methods:
-                rows.append({"scene": file.name, "label": label, **measured(picture(driver, file, label), lens)})
-                step(f"{file.name}, {label}")
-    return rows, markdown(rows)

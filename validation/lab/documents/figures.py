@@ -17,11 +17,12 @@ from bokeh_validation.drivers.base import Driver
 from bokeh_validation.engines import pages
 from bokeh_validation.errors import Unavailable
 from bokeh_validation.frame import aperture_shapes, methods
-from bokeh_validation.pictures import Captioned
 from bokeh_validation.probes import highlight, impulse, shapes, two_points
 from bokeh_validation.probes.model import Case, depth_of, drawn
 from bokeh_validation.reference import sampling
 from bokeh_validation.truth import ray_traced
+from lab import captioned
+from lab.captioned import Captioned
 
 # Name of a file -> 8-bit rgb (H, W, 3)
 Pictures = dict[str, np.ndarray]
@@ -55,7 +56,7 @@ PLATEAU = 0.4
 
 def tone_mapped(image: np.ndarray, exposure: float = 1.0, zoom: int = 1) -> np.ndarray:
     """Tone-map linear rgb (H, W, >= 3) by x / (1 + x) to 8 bits, with each pixel as a block of `zoom` x `zoom`."""
-    return pictures.enlarged(pictures.display(image, exposure, tone_map=True), zoom)
+    return captioned.enlarged(pictures.display(image, exposure, tone_map=True), zoom)
 
 
 def panorama(name: str) -> np.ndarray:
@@ -112,7 +113,7 @@ def photographs(driver: Driver) -> Pictures:
         result = drawn(driver, Case(name, settings, color, depth_of(PHOTOGRAPH_SIZE, 1.0)))
         photograph = Captioned(tone_mapped(color), f"photograph ({name})")
         blurred = Captioned(tone_mapped(result), f"({letter}) paper, {aperture}, 13 samples a line")
-        figures[f"figure_01_{letter}"] = pictures.grid([[photograph, blurred]])
+        figures[f"figure_01_{letter}"] = captioned.grid([[photograph, blurred]])
     return figures
 
 
@@ -128,8 +129,8 @@ def coc_blur(driver: Driver) -> Pictures:
     panels = []
     for caption, blurred in (("(a) CoC blurred with the colour", True), ("(b) CoC not blurred", False)):
         image = drawn(driver, canopy_case("paper", WIDE_APERTURE, blur_coc=blurred))
-        panels.append(Captioned(tone_mapped(pictures.crop(image, *BRANCHES), zoom=2), caption))
-    return {"figure_07": pictures.grid([panels])}
+        panels.append(Captioned(tone_mapped(captioned.crop(image, *BRANCHES), zoom=2), caption))
+    return {"figure_07": captioned.grid([panels])}
 
 
 def canopy(driver: Driver) -> Pictures:
@@ -143,17 +144,17 @@ def canopy(driver: Driver) -> Pictures:
             "truth: brute force": shapes.brute_force(driver, paper),
             "a lens, ray traced": ray_traced.truth(ray_traced.CANOPY, "hexagon"),
         }
-        cropped = {caption: pictures.crop(image, *CROWN) for caption, image in images.items()}
+        cropped = {caption: captioned.crop(image, *CROWN) for caption, image in images.items()}
         details.append(
             [Captioned(tone_mapped(image, CANOPY_EXPOSURE, 2), caption) for caption, image in cropped.items()]
         )
     full_image = tone_mapped(drawn(driver, canopy_case("paper", WIDE_APERTURE)), CANOPY_EXPOSURE)
     caption, (wide, own_lens) = f"paper, hexagon, 13 samples a line, aperture {1000 * WIDE_APERTURE:g} mm", details
     return {
-        "figure_11": pictures.grid([[Captioned(full_image, caption)]]),
+        "figure_11": captioned.grid([[Captioned(full_image, caption)]]),
         # this truth was ray traced with the scene's own lens only
-        "figure_11_wide": pictures.grid([wide[:3]]),
-        "figure_11_own": pictures.grid([own_lens[:2], own_lens[2:]]),
+        "figure_11_wide": captioned.grid([wide[:3]]),
+        "figure_11_own": captioned.grid([own_lens[:2], own_lens[2:]]),
     }
 
 
@@ -173,9 +174,9 @@ def point_panel(driver: Driver, caption: str, method: str, aperture: str, places
         case = replace(case, settings=replace(settings, method="naive", samples=CELLS + 1))
     by_lattice = method == "truth" and aperture not in aperture_shapes.USES_MAX
     image = shapes.brute_force(driver, case, CELLS) if by_lattice else drawn(driver, case)
-    inner = pictures.crop(image[..., :3], *border, size[0] - 2 * border[0], size[1] - 2 * border[1])
+    inner = captioned.crop(image[..., :3], *border, size[0] - 2 * border[0], size[1] - 2 * border[1])
     lit = pictures.display(inner.astype(np.float64) - highlight.AMBIENT, PLATEAU / impulse.plateau(aperture))
-    return Captioned(pictures.enlarged(lit, zoom), caption)
+    return Captioned(captioned.enlarged(lit, zoom), caption)
 
 
 def by_each_method(driver: Driver, aperture: str, caption: str, places: Sequence, kind: tuple) -> list[Captioned]:
@@ -197,7 +198,7 @@ def apertures_of_points(driver: Driver) -> Pictures:
         if combined == "min":
             places = two_points.points(aperture)
             rows["figure_12"].append(by_each_method(driver, aperture, caption, places, TWO_POINTS))
-    return {name: pictures.grid(panels) for name, panels in rows.items()}
+    return {name: captioned.grid(panels) for name, panels in rows.items()}
 
 
 def two_under_max(driver: Driver) -> Pictures:
@@ -212,4 +213,4 @@ def two_under_max(driver: Driver) -> Pictures:
         point_panel(driver, "(b) truth: intensities added", "truth", "star", places, TWO_POINTS),
         point_panel(driver, "exact: octagons, it makes no star", "exact", "octagon", near, TWO_POINTS),
     ]
-    return {"figure_13": pictures.grid([panels])}
+    return {"figure_13": captioned.grid([panels])}

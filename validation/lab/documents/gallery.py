@@ -11,6 +11,7 @@ from bokeh_validation.probes import lights_apart
 from bokeh_validation.probes.model import drawn as drawn_case
 from bokeh_validation.reference import listings
 from bokeh_validation.truth import ray_traced
+from lab import captioned
 
 CAMERA = ray_traced.MARKET.camera
 # left, top, width, height: far lights on the left and near ones among leaves on the right; a corner, for lateral
@@ -130,8 +131,8 @@ def drawn(
     while not cut and pixels.shape[1] <= width // 2:
         pixels = pixels.repeat(2, axis=0).repeat(2, axis=1)
     while not cut and pixels.shape[1] > width:
-        pixels = pictures.halved(pixels)
-    return pictures.crop(pixels, *cut) if cut else pixels
+        pixels = captioned.halved(pixels)
+    return captioned.crop(pixels, *cut) if cut else pixels
 
 
 def pull(driver: Driver) -> list[np.ndarray]:
@@ -145,9 +146,9 @@ def pull(driver: Driver) -> list[np.ndarray]:
 def gallery(driver: Driver, name: str) -> dict[str, np.ndarray]:
     """Draw one of PICTURES."""
     panels = [
-        [pictures.Captioned(drawn(driver, **view), caption) for caption, view in row.items()] for row in PICTURES[name]
+        [captioned.Captioned(drawn(driver, **view), caption) for caption, view in row.items()] for row in PICTURES[name]
     ]
-    return {name: pictures.grid(panels)}
+    return {name: captioned.grid(panels)}
 
 
 # A pane of glass: color, metres, and the part of the image that is shown, as left, top, width, height
@@ -180,8 +181,8 @@ def opacity(driver: Driver) -> dict[str, np.ndarray]:
         inputs = {**textures, "color": color.astype(np.float16), "depth": depth.astype(np.float32)}
         map_pass = replace(first, parameters={**first.parameters, "BokehDepthKind": float(kind)})
         result = driver.run([map_pass, *later_passes], inputs, case.size)["result"]
-        panels.append(pictures.Captioned(pictures.crop(pictures.filmic(result[..., :3], 1.6), *PANE), caption))
-    return {"opacity": pictures.grid([panels])}
+        panels.append(captioned.Captioned(captioned.crop(pictures.filmic(result[..., :3], 1.6), *PANE), caption))
+    return {"opacity": captioned.grid([panels])}
 
 
 # Lights over a plane of CoC 40, one blurred less and one blurred more, by method and polygon
@@ -203,6 +204,6 @@ def apart(driver: Driver) -> dict[str, np.ndarray]:
             blue = (result[..., 2] - lights_apart.AMBIENT) / plateau
             grey = pictures.display(np.repeat(0.3 * blue[28:100, 28:100, None].clip(0.0), 3, axis=-1))
             caption = f"{method}, {aperture}: CoC {light.coc:g} on 40"
-            row.append(pictures.Captioned(pictures.enlarged(grey, 3), caption))
+            row.append(captioned.Captioned(captioned.enlarged(grey, 3), caption))
         panels.append(row)
-    return {"lights_apart": pictures.grid(panels)}
+    return {"lights_apart": captioned.grid(panels)}

@@ -6,8 +6,9 @@ import numpy as np
 
 from bokeh_validation import pictures, truth
 from bokeh_validation.drivers.base import Driver
-from bokeh_validation.pictures import Captioned
 from bokeh_validation.truth import ray_traced
+from lab import captioned
+from lab.captioned import Captioned
 
 CAPTIONS = {
     "pinhole": "input: colour and depth through a pinhole",
@@ -41,13 +42,13 @@ def likeness(driver: Driver, scene: ray_traced.SceneFile) -> dict[str, np.ndarra
     def sheet(second: str, cut: Callable[[np.ndarray], np.ndarray]) -> np.ndarray:
         labels = ("pinhole", second, "layered medium", "truth")
         panels = [Captioned(cut(shown(label)), CAPTIONS[label]) for label in labels]
-        return pictures.grid([panels[:2], panels[2:]])
+        return captioned.grid([panels[:2], panels[2:]])
 
     def enlarged(pixels: np.ndarray) -> np.ndarray:
         corner = PLACES[scene.name.removesuffix("x3")]
-        return pictures.enlarged(pictures.crop(pixels, *corner, *DETAIL_SIZE), 2)
+        return captioned.enlarged(captioned.crop(pixels, *corner, *DETAIL_SIZE), 2)
 
     return {
-        name: sheet("gather", enlarged) if name.endswith("detail") else sheet("paper", pictures.halved)
+        name: sheet("gather", enlarged) if name.endswith("detail") else sheet("paper", captioned.halved)
         for name in names(scene)
     }

@@ -11,8 +11,9 @@ from typing import Annotated
 
 import typer
 
-from bokeh_validation import files, paths, pictures, terminal
+from bokeh_validation import files, paths, terminal
 from bokeh_validation.errors import Unavailable, UserError
+from lab import captioned
 from lab.documents.drawings import BY_NAME, DRAWINGS, Animation, Drawing
 
 RECORD = paths.ROOT / "docs/data/pictures.json"
@@ -68,12 +69,12 @@ def write(drawing: Drawing, drawn: dict, wanted: list[str], folder: Path | None)
     written, target_folder = [], folder or paths.ROOT / drawing.folder
     for name in (name for name in drawing.names if name in wanted):
         if isinstance(drawn[name], Animation):
-            written.append(pictures.write_animation(target_folder, name, *drawn[name]))
+            written.append(captioned.write_animation(target_folder, name, *drawn[name]))
         elif isinstance(drawn[name], str):
             written.append(target_folder / f"{name}.svg")
             files.whole(written[-1], lambda target, text=drawn[name]: target.write_text(text, encoding="utf-8"))
         else:
-            written.append(pictures.write_document(target_folder, name, drawn[name]))
+            written.append(captioned.write_document(target_folder, name, drawn[name]))
     return written
 
 

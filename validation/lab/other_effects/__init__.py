@@ -18,7 +18,7 @@ from bokeh_validation.probes.highlight import AMBIENT, PEAK
 from bokeh_validation.probes.model import Case, depth_of, overlap, pixel_center
 from bokeh_validation.probes.shapes import outline
 from bokeh_validation.truth import ray_traced
-from lab import jobs
+from lab import captioned, jobs, ray_traced_score
 from lab.other_effects import timing
 from lab.other_effects.effects import EFFECTS, FOUND, ONE_LIGHT, OPTIONS, Page, Parameters, documented, title
 from lab.rasterised import faults, motion
@@ -82,11 +82,11 @@ def of_scene(name: str, effects: list[str], anew: bool) -> tuple[list[dict], np.
     rows = [{"scene": name, "label": label, **truth.measured(image, lens)} for label, image in images.items()]
     exposure, corner = truth.EXPOSURE.get(name, 1.0), PLACES.get(name.removesuffix("x3"), (0, 0))
     details = [
-        pictures.Captioned(pictures.crop(pictures.filmic(image, exposure), *corner, *DETAIL), label)
+        captioned.Captioned(captioned.crop(pictures.filmic(image, exposure), *corner, *DETAIL), label)
         for label, image in (images | {"truth": lens}).items() if label not in OURS[:-1]
     ]  # fmt: skip
     width = 3 if len(details) > 4 else 2
-    return rows, pictures.grid([details[at : at + width] for at in range(0, len(details), width)]), parameters
+    return rows, captioned.grid([details[at : at + width] for at in range(0, len(details), width)]), parameters
 
 
 def of_light(found_for: str, effects: list[str]) -> list[tuple[float, float]]:
@@ -193,5 +193,5 @@ def peers(
         *drawings, lights = jobs.run(work, step)
     terminal.write_json(found, {name: chosen for name, (_, _, chosen) in zip(scenes, drawings, strict=True)})
     ends = [ONE_LIGHT, "---", *(f"{shape:.2f}, {light_kept:.2f}" for shape, light_kept in lights)]
-    table = truth.markdown([row for rows, _, _ in drawings for row in rows])
+    table = ray_traced_score.markdown([row for rows, _, _ in drawings for row in rows])
     terminal.tell(*(f"{line} {end} |" for line, end in zip(table, ends, strict=True)), drivers.load(DRIVER).adapter)

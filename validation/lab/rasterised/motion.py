@@ -8,11 +8,11 @@ import numpy as np
 from bokeh_validation import drivers, metrics, pictures, terminal
 from bokeh_validation.drivers.base import Driver
 from bokeh_validation.frame.methods import plan, steadied
-from bokeh_validation.pictures import Captioned
 from bokeh_validation.probes.model import Case
 from bokeh_validation.reference import sampling
 from bokeh_validation.truth import labels
-from lab import jobs
+from lab import captioned, jobs
+from lab.captioned import Captioned
 from lab.rasterised import faults
 from lab.rasterised.rasteriser import Pinhole, Rasteriser, places_in_pixel
 from lab.rasterised.sequences import MODERATE, MOTIONS, moment, street
@@ -168,11 +168,11 @@ def measured(
 
 
 def _side_by_side(images: Mapping[str, np.ndarray]) -> np.ndarray:
-    cropped = {caption: pictures.crop(image, *DETAIL) for caption, image in images.items()}
+    cropped = {caption: captioned.crop(image, *DETAIL) for caption, image in images.items()}
     panels = [
-        Captioned(pictures.enlarged(pictures.filmic(v, faults.RANDOM_EXPOSURE), ZOOM), k) for k, v in cropped.items()
+        Captioned(captioned.enlarged(pictures.filmic(v, faults.RANDOM_EXPOSURE), ZOOM), k) for k, v in cropped.items()
     ]
-    return pictures.grid([panels[:2], panels[2:]])
+    return captioned.grid([panels[:2], panels[2:]])
 
 
 def moderate(

@@ -9,11 +9,11 @@ import numpy as np
 
 from bokeh_validation import drivers, metrics, pictures, terminal
 from bokeh_validation.drivers.base import Driver
-from bokeh_validation.pictures import Captioned
 from bokeh_validation.probes.model import Case
 from bokeh_validation.reference import listings
 from bokeh_validation.truth import labels
-from lab import jobs
+from lab import captioned, jobs
+from lab.captioned import Captioned
 from lab.rasterised import faults
 from lab.rasterised.random_scenes import random_scene
 from lab.rasterised.rasteriser import Rasteriser
@@ -83,17 +83,17 @@ def _worst(row: Mapping, wrong: Mapping[str, np.ndarray], images: Sequence[np.nd
         top, left = (min(max(index - PLACE // 2, 0), extent - PLACE) for index, extent in indices)
         value, area = float(excess[name][worst_pixel]), (int(left), int(top), PLACE, PLACE)
         captions = (f"{row['seed']} at {area[:2]}: input", row["label"], "truth", f"error; {name} {value:.1f}")
-        crops = [pictures.enlarged(pictures.crop(pixels, *area), ZOOM) for pixels in displayed]
+        crops = [captioned.enlarged(captioned.crop(pixels, *area), ZOOM) for pixels in displayed]
         places.append((value, list(map(Captioned, crops, captions))))
         for values in excess.values():
-            pictures.crop(values, *area)[...] = 0.0
+            captioned.crop(values, *area)[...] = 0.0
     return places
 
 
 def sheet(scored: Sequence[Score]) -> np.ndarray:
     """Return the worst crops of all scores as one 8-bit rgb image: input, result, truth, error."""
     places = sorted((place for score in scored for place in score.places), key=lambda place: -place[0])
-    return pictures.grid([panels for _, panels in places[:SHOWN]])
+    return captioned.grid([panels for _, panels in places[:SHOWN]])
 
 
 def table(rows: Sequence[Mapping]) -> list[str]:
