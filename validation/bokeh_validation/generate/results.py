@@ -13,7 +13,7 @@ from functools import cache
 from statistics import mean
 
 from bokeh_validation import paths
-from bokeh_validation.probes import lights_apart
+from bokeh_validation.probes import lights_apart, thin
 
 Table = list[list[str]]
 CSV = "docs/data/results.csv"
@@ -84,6 +84,10 @@ def tables() -> dict[str, dict[str, Table]]:
             [light, *(f"{measures[index]:.2f}" for measures in cases)] for light, cases in lights_apart.RECORDED.items()
         ]
         measured[f"lights apart, {name}"] = [["light", *lights_apart.METHODS], *rows]
+    lines = [[str(coc), str(copies), f"{light:.2f}"] for coc, (copies, light) in thin.LINES.items()]
+    measured["thin lines"] = [["CoC of the line, pixels", "copies", "light kept"], *lines]
+    slits = [[str(coc), *(f"{value:.2f}" for value in values)] for coc, values in thin.SLITS.items()]
+    measured["slits"] = [["near CoC, pixels", "light", "brightest"], *slits]
     pages = {page: dict(page_tables) for page, page_tables in data("printed")["tables"].items()}
     pages["results-data.md"] = measured | pages["results-data.md"]
     flips = [[*row, f"{flip_means()[row[0]]:.4f}"] for row in measured["ray-traced scenes, FLIP"][1:]]

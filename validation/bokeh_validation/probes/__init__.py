@@ -16,6 +16,7 @@ from bokeh_validation.probes import (  # fmt: skip
     near_edges,
     scenes,
     sweep,
+    thin,
     two_points,
 )
 from bokeh_validation.probes.model import Check, Probe
@@ -27,6 +28,7 @@ _ROOMS = (
     exact,
     halo,
     near_edges,
+    thin,
     lights,
     lights_apart,
     flatness,
