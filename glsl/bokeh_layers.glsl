@@ -1212,7 +1212,7 @@ float BokehRingBorder(int ring, BokehRingLayout rings)
 //   s, inverse, nearWeight  of this pixel: signed CoC in pixels, BokehSpreadInverse, near layer
 //                 weight
 //   slopes        of the near and the far layer
-//   snapping      0: linear filter, 100: nearest texel
+//   snapping      0: linear filter; the larger, the closer to the nearest texel
 //   bounds        lower and upper limit of a sample's 1 / radius^2: the values for the gather's
 //                 radius and for the inner disc
 //   inner         where the next ring begins, pixels
@@ -1370,10 +1370,13 @@ vec4 BokehComposite(BOKEH_TEXTURE MapSamp, BOKEH_TEXTURE GatherTilesSamp, BOKEH_
         BokehRingLayout ringLayout;
         ringLayout.radius = radius;
         ringLayout.narrowing = clamp(radius / max(restRadius, 1.0) - 1.0, 0.0, 1.0);
+        // one number for both layers: the near one starts at a smaller CoC than the far one
+        float layerReach = max(tile.g, tile.r + (BOKEH_TUNED_FAR_START -
+            BOKEH_TUNED_NEAR_START));
         // no layer here: spend its fetches on one more ring; without CUBIC, do so also where layers
         // are small
         float denseRings = float(BOKEH_LAYER_RINGS);
-        if (max(tile.g, tile.r + 4.0) <= 14.0 - 4.0 * float(BOKEH_LAYER_CUBIC))
+        if (layerReach <= 14.0 - 4.0 * float(BOKEH_LAYER_CUBIC))
         {
             denseRings += 1.0;
         }
@@ -1402,11 +1405,9 @@ vec4 BokehComposite(BOKEH_TEXTURE MapSamp, BOKEH_TEXTURE GatherTilesSamp, BOKEH_
         gather.farFound = weight * farWeight;
         gather.sum = vec4(centerPixel.rgb, 1.0) * (weight - gather.farFound);
         gather.front = vec4(0.0, 0.0, 0.0, 0.0);
-        // beside near layers, samples move to the nearest texel: between a near light and the
-        // surface behind it, the linear filter would find a light in focus
-        float edges = max(tile.r, tile.g - 16.0);
-        gather.snapping = 3.75 * clamp(edges / 5.0, 0.0, 1.0) + 100.0 * clamp((edges - 10.0) / 16.0,
-            0.0, 1.0);
+        // the wider a layer's blur here, the closer samples move to the nearest texel: between a
+        // near light and the surface behind it, the linear filter would find a light in focus
+        gather.snapping = max(tile.r, tile.g - 16.0);
         // where the last ring of a wide gather begins, the one with few samples
         float lastInner = radius;
         if (rings > denseRings)
@@ -1457,7 +1458,7 @@ vec4 BokehComposite(BOKEH_TEXTURE MapSamp, BOKEH_TEXTURE GatherTilesSamp, BOKEH_
         }
 
         vec4 farLayer = vec4(0.0, 0.0, 0.0, 0.0);
-        if (max(tile.r - BOKEH_TUNED_NEAR_START, tile.g - BOKEH_TUNED_FAR_START) > 0.0)
+        if (layerReach > BOKEH_TUNED_FAR_START)
         {
             if (BOKEH_SIDES == 0)
             {

@@ -1205,7 +1205,7 @@ fn BokehRingBorder(ring: i32, rings: BokehRingLayout) -> f32
 //   s, inverse, nearWeight  of this pixel: signed CoC in pixels, BokehSpreadInverse, near layer
 //                 weight
 //   slopes        of the near and the far layer
-//   snapping      0: linear filter, 100: nearest texel
+//   snapping      0: linear filter; the larger, the closer to the nearest texel
 //   bounds        lower and upper limit of a sample's 1 / radius^2: the values for the gather's
 //                 radius and for the inner disc
 //   inner         where the next ring begins, pixels
@@ -1370,10 +1370,13 @@ fn BokehComposite(MapSamp: texture_2d<f32>, GatherTilesSamp: texture_2d<f32>,
         var ringLayout: BokehRingLayout;
         ringLayout.radius = radius;
         ringLayout.narrowing = clamp(radius / max(restRadius, 1.0) - 1.0, 0.0, 1.0);
+        // one number for both layers: the near one starts at a smaller CoC than the far one
+        let layerReach: f32 = max(tile.g, tile.r + (BOKEH_TUNED_FAR_START -
+            BOKEH_TUNED_NEAR_START));
         // no layer here: spend its fetches on one more ring; without CUBIC, do so also where layers
         // are small
         var denseRings: f32 = f32(BOKEH_LAYER_RINGS);
-        if (max(tile.g, tile.r + 4.0) <= 14.0 - 4.0 * f32(BOKEH_LAYER_CUBIC))
+        if (layerReach <= 14.0 - 4.0 * f32(BOKEH_LAYER_CUBIC))
         {
             denseRings += 1.0;
         }
@@ -1402,11 +1405,9 @@ fn BokehComposite(MapSamp: texture_2d<f32>, GatherTilesSamp: texture_2d<f32>,
         gather.farFound = weight * farWeight;
         gather.sum = vec4f(centerPixel.rgb, 1.0) * (weight - gather.farFound);
         gather.front = vec4f(0.0, 0.0, 0.0, 0.0);
-        // beside near layers, samples move to the nearest texel: between a near light and the
-        // surface behind it, the linear filter would find a light in focus
-        let edges: f32 = max(tile.r, tile.g - 16.0);
-        gather.snapping = 3.75 * clamp(edges / 5.0, 0.0, 1.0) + 100.0 * clamp((edges - 10.0) / 16.0,
-            0.0, 1.0);
+        // the wider a layer's blur here, the closer samples move to the nearest texel: between a
+        // near light and the surface behind it, the linear filter would find a light in focus
+        gather.snapping = max(tile.r, tile.g - 16.0);
         // where the last ring of a wide gather begins, the one with few samples
         var lastInner: f32 = radius;
         if (rings > denseRings)
@@ -1457,7 +1458,7 @@ fn BokehComposite(MapSamp: texture_2d<f32>, GatherTilesSamp: texture_2d<f32>,
         }
 
         var farLayer: vec4f = vec4f(0.0, 0.0, 0.0, 0.0);
-        if (max(tile.r - BOKEH_TUNED_NEAR_START, tile.g - BOKEH_TUNED_FAR_START) > 0.0)
+        if (layerReach > BOKEH_TUNED_FAR_START)
         {
             if (BOKEH_SIDES == 0)
             {

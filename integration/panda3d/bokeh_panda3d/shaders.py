@@ -1776,8 +1776,10 @@ radius = min(radius, BOKEH_TUNED_SINGLE_RADIUS);
 BokehRingLayout ringLayout;
 ringLayout.radius = radius;
 ringLayout.narrowing = clamp(radius / max(restRadius, 1.0) - 1.0, 0.0, 1.0);
+float layerReach = max(tile.g, tile.r + (BOKEH_TUNED_FAR_START -
+BOKEH_TUNED_NEAR_START));
 float denseRings = float(BOKEH_LAYER_RINGS);
-if (max(tile.g, tile.r + 4.0) <= 14.0 - 4.0 * float(BOKEH_LAYER_CUBIC))
+if (layerReach <= 14.0 - 4.0 * float(BOKEH_LAYER_CUBIC))
 {
 denseRings += 1.0;
 }
@@ -1798,9 +1800,7 @@ float weight = (1.0 - nearWeight) * min(gather.inverse / gather.bounds.y, 1.0);
 gather.farFound = weight * farWeight;
 gather.sum = vec4(centerPixel.rgb, 1.0) * (weight - gather.farFound);
 gather.front = vec4(0.0, 0.0, 0.0, 0.0);
-float edges = max(tile.r, tile.g - 16.0);
-gather.snapping = 3.75 * clamp(edges / 5.0, 0.0, 1.0) + 100.0 * clamp((edges - 10.0) / 16.0,
-0.0, 1.0);
+gather.snapping = max(tile.r, tile.g - 16.0);
 float lastInner = radius;
 if (rings > denseRings)
 {
@@ -1846,7 +1846,7 @@ polygon), outer, polygon, layers);
 }
 }
 vec4 farLayer = vec4(0.0, 0.0, 0.0, 0.0);
-if (max(tile.r - BOKEH_TUNED_NEAR_START, tile.g - BOKEH_TUNED_FAR_START) > 0.0)
+if (layerReach > BOKEH_TUNED_FAR_START)
 {
 if (BOKEH_SIDES == 0)
 {

@@ -1728,8 +1728,10 @@ radius = min(radius, BOKEH_TUNED_SINGLE_RADIUS);
 var ringLayout: BokehRingLayout;
 ringLayout.radius = radius;
 ringLayout.narrowing = clamp(radius / max(restRadius, 1.0) - 1.0, 0.0, 1.0);
+let layerReach: f32 = max(tile.g, tile.r + (BOKEH_TUNED_FAR_START -
+BOKEH_TUNED_NEAR_START));
 var denseRings: f32 = f32(BOKEH_LAYER_RINGS);
-if (max(tile.g, tile.r + 4.0) <= 14.0 - 4.0 * f32(BOKEH_LAYER_CUBIC))
+if (layerReach <= 14.0 - 4.0 * f32(BOKEH_LAYER_CUBIC))
 {
 denseRings += 1.0;
 }
@@ -1750,9 +1752,7 @@ let weight: f32 = (1.0 - nearWeight) * min(gather.inverse / gather.bounds.y, 1.0
 gather.farFound = weight * farWeight;
 gather.sum = vec4f(centerPixel.rgb, 1.0) * (weight - gather.farFound);
 gather.front = vec4f(0.0, 0.0, 0.0, 0.0);
-let edges: f32 = max(tile.r, tile.g - 16.0);
-gather.snapping = 3.75 * clamp(edges / 5.0, 0.0, 1.0) + 100.0 * clamp((edges - 10.0) / 16.0,
-0.0, 1.0);
+gather.snapping = max(tile.r, tile.g - 16.0);
 var lastInner: f32 = radius;
 if (rings > denseRings)
 {
@@ -1798,7 +1798,7 @@ polygon), outer, polygon, layers, BokehLinearClamp);
 }
 }
 var farLayer: vec4f = vec4f(0.0, 0.0, 0.0, 0.0);
-if (max(tile.r - BOKEH_TUNED_NEAR_START, tile.g - BOKEH_TUNED_FAR_START) > 0.0)
+if (layerReach > BOKEH_TUNED_FAR_START)
 {
 if (BOKEH_SIDES == 0)
 {

@@ -20,6 +20,7 @@ MISTAKES = (
     ("d3d9", "bokeh_paper", "NaiveGather", "j + BOKEH_LOOP_LIMIT, BOKEH", "j + BOKEH_LOOP_LIMIT - 1, BOKEH"),
     # all languages have this code, but only Direct3D 9 considers NaN farther than every sample
     ("d3d9", "bokeh_paper", "DepthOfField", "PaperDepth(DepthSamp, uv", "FetchDepth(DepthSamp, BokehToTexture(uv)"),
+    ("egl", "bokeh_layers", "LayerGrid", "BOKEH_LAYER_SCALE", "4"),
     ("dxc", "bokeh_passes", "", "TEXTURE, BokehColorSampC,", "<->TEXTURE, BokehColorSampD,"),
     ("d3d9", "bokeh_passes", "", "TEXTURE, BokehColorSampB,", "<->TEXTURE, BokehColorSampC,"),
     ("wgpu", "bokeh_passes", "", " var BokehColorSampB:", "<-> var BokehColorSampC:"),
