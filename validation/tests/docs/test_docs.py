@@ -91,7 +91,9 @@ def test_results_of_the_readme():
     *scenes, lit = re.search(
         r"^\| \| fetches per pixel \| FLIP, (\w+) \| FLIP, (\w+) \| light kept, (\w+) \|$", text, re.MULTILINE
     ).groups()
-    assert len(readme) == 8 and rows(text, "## Presets")["`BOKEH_PRESET_MEDIUM`"][1] == readme["layered medium"][0]
+    assert len(readme) == 9
+    for preset in ("medium", "mobile"):
+        assert rows(text, "## Presets")[f"`BOKEH_PRESET_{preset.upper()}`"][1] == readme[f"layered {preset}"][0]
     for label, (_, *numbers) in readme.items():
         flips = [f"{measured[label][scene]['flip']:.4f}" for scene in scenes]
         assert numbers == [*flips, f"{measured[label][lit]['light']:.3f}"], label
