@@ -127,7 +127,9 @@ CASES = (
     _named("layered, wide", [COVERAGE], LAYERED, jitter=1.0, **WIDE),
     _named("layered, far", [COVERAGE], LAYERED, focus=methods.Focus(scale=(0.0, 1.0)), **WIDE),
     _named("layered, low", [COVERAGE, BAD_INPUT], LAYERED, aperture="decagon", preset="low", **WIDE),
-    _named("layered, mobile", [COVERAGE, BAD_INPUT], LAYERED, preset="mobile", **WIDE),
+    # a square, where a ring without a density would have fewer samples; by unrolled rings, and by the loop
+    _named("layered, mobile", [COVERAGE, BAD_INPUT], LAYERED, aperture="square", preset="mobile", **WIDE),
+    _named("layered, mobile, cut", [COVERAGE], LAYERED, aperture="square", preset="mobile", cats_eye=0.9, **MODERATE),
     _named("layered, widest", [COVERAGE], LAYERED, aperture="square", preset="low", **WIDEST),
     _named("layered, cut", [COVERAGE, PART, VIEWPORT, JSON], LAYERED, aperture="octagon", **CUT, **WIDE),
     _named("layered decagon, cut", [COVERAGE], LAYERED, aperture="decagon", cats_eye=0.9, **WIDE),
