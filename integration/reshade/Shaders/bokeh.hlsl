@@ -382,18 +382,20 @@ float BokehSanitize(float value, float minimum, float maximum)
 
 // Listing 1: converts a value of the engine's depth buffer to metres along the view axis
 //   stored        red and green of the depth buffer; only kind 9 uses green
-//   kind          0: metres (planar, not the length of the ray); 1: window depth, 0 (near) .. 1
-//                 (far), as depth textures have it; 2: reversed, 1 (near) .. 0 (far); 3: reversed
-//                 without a far plane, 1 (near) .. 0 (infinite); 4: clip space, z / w in OpenGL,
-//                 -1 (near) .. 1 (far); 5: window depth of an orthographic camera; 6: the same
-//                 reversed; 7: a fraction of the far plane, as in Listing 1; 8: logarithmic,
-//                 log(1 + metres) / log(1 + far) (three.js's WebGLRenderer); 9: weighted by
-//                 opacity, for transparent surfaces: metres times opacity in red, opacity in
-//                 green
-//   nearPlane, farPlane  planes of the camera, metres; 0 < near < far in kinds 1 to 4
-//   returns       finite and > 0; the sky is at the far plane, or at BOKEH_MAX_DEPTH in kind 3, and
-//                 in kind 1 if near is below far / 2^24; in kind 9 what is less than half opaque
-//                 is the sky
+//   kind          0  metres along the view axis, not along the ray
+//                 1  window depth, 0 (near) .. 1 (far), as depth textures store it
+//                 2  reversed, 1 (near) .. 0 (far)
+//                 3  reversed without a far plane, 1 (near) .. 0 (infinite)
+//                 4  clip space, z / w in OpenGL, -1 (near) .. 1 (far)
+//                 5  window depth of an orthographic camera
+//                 6  the same reversed
+//                 7  a fraction of the far plane, as in Listing 1
+//                 8  logarithmic, log(1 + metres) / log(1 + far) (three.js's WebGLRenderer)
+//                 9  weighted by opacity: metres times opacity in red, opacity in green
+//   nearPlane, farPlane  planes of the camera, metres; 0 < near < far in kinds 1, 2 and 4, 0 < near
+//                 in kind 3
+//   returns       finite and > 0. The sky is at the far plane. It is at BOKEH_MAX_DEPTH instead in
+//                 kind 3, in kind 1 if near < far / 2^24, and in kind 9 where opacity is below 0.5.
 float BokehLinearDepth(float2 stored, int kind, float nearPlane, float farPlane)
 {
     float value = stored.x;

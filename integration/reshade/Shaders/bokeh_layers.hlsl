@@ -35,7 +35,8 @@
 //   Composite        1     map, gatherTiles, both blurred   the finished image
 //                          layers, midFill, farFill
 //
-//   With BOKEH_LAYER_SCALE 4, the targets of Prefilter, LayerFirst and LayerSecond have 1/4.
+//   With BOKEH_LAYER_SCALE 4, the targets of Prefilter, LayerFirst and LayerSecond have 1/4 of the
+//   image's size instead of 1/2.
 //
 //   TileDilate runs twice, along rows, then along columns. LayerFirst and LayerSecond run for the
 //   near layer, then for the far one; LayersFirst and LayersSecond blur both layers of a square or
@@ -47,16 +48,19 @@
 //   name                    default    range   meaning
 //   BOKEH_LAYER_RINGS       2          0 .. 4  rings of the small gather at full size. It takes one
 //                                              more where no layer is in reach (with CUBIC 0, also
-//                                              where layers are small), and where it reaches far
-//   BOKEH_LAYER_SAMPLES     11         2 ..    most samples on an edge of a layer's hexagon; twice
-//                                              as many on a square's, fewer on shorter edges
+//                                              where a layer's CoC is small), and where it reaches
+//                                              far
+//   BOKEH_LAYER_SAMPLES     11         2 ..    maximum number of samples on an edge of a layer's
+//                                              hexagon; a square has twice as many, a short edge
+//                                              fewer
 //   BOKEH_LAYER_CUBIC       1          0, 1    1: layers are enlarged by five fetches, not by one
 //   BOKEH_LAYER_SCALE       2          2, 4    size of the image / size of a layer; comments that
 //                                              say half size mean the layers' size
-//   BOKEH_MIN_BRIGHTNESS    0.00001    > 0     a darker pixel does not lower the mean brightness of
-//                                              its tile any further
+//   BOKEH_MIN_BRIGHTNESS    0.00001    > 0     darker pixels count as this bright in the mean of
+//                                              their tile
 //
-//   Presets: define one before bokeh.hlsl, or set the constants instead. In WGSL set all four.
+//   Presets: define one before bokeh.hlsl, or set the constants instead. In WGSL set
+//   all four constants of this table.
 //
 //   preset                  rings      samples cubic  scale
 //   BOKEH_PRESET_MOBILE     0          18      0      4
@@ -134,9 +138,9 @@
 #define BOKEH_TUNED_FAR_START 10.0
 #define BOKEH_TUNED_FAR_FULL 16.0
 
-// Largest near CoC, pixels, to which the ramp of BokehLayerWeight is relative. With a higher limit,
-// the gather gets pixels of a large CoC, and its few samples show as dashes; with a lower one, the
-// edges of large blurs get worse.
+// The near layer's ramp (BokehLayerWeight) grows with the largest near CoC in reach, but only up to
+// this one, pixels. With a higher limit, the gather gets pixels of a large CoC, and its few samples
+// show as dashes; with a lower one, the edges of large blurs get worse.
 #define BOKEH_TUNED_NEAR_LIMIT 60.0
 
 // Standard deviation of the Gaussian that averages the CoC of a layer, tiles for each pixel of CoC:
@@ -475,8 +479,9 @@ float4 BokehNearPixel(float4 pixel, float nearWeight, float4 around)
 }
 
 // Layers: does the work of BokehPrefilter for 2 x 2 pixels
-//   middle        where they meet, pixels
-//   tile          of dilatedTiles
+//   middle        the corner that the four pixels share, pixels
+//   tile          texel of dilatedTiles that covers them
+//   returns       their mean, and the maximum for gatherCoC
 BokehPrefiltered BokehPrefilterBlock(BOKEH_TEXTURE MapSamp, float2 middle, float4 tile,
     BokehLayerContext layers BOKEH_SAMPLER)
 {
@@ -518,7 +523,7 @@ BokehPrefiltered BokehPrefilterBlock(BOKEH_TEXTURE MapSamp, float2 middle, float
             for (int x = 0; x < 4; x++)
             {
                 float2 offset = float2(float(x) - 1.5, float(y) - 1.5);
-                // four of the twelve pixels around those, one at each edge
+                // of the twelve pixels around the block, take four, one on each side
                 if ((abs(offset.x) - abs(offset.y)) * offset.x * offset.y > 0.5)
                 {
                     float4 pixel = BokehFetchGrid(MapSamp, middle + offset, full
@@ -548,7 +553,7 @@ BokehPrefiltered BokehPrefilterBlock(BOKEH_TEXTURE MapSamp, float2 middle, float
     return targets;
 }
 
-// Layers: sorts the pixels into a near and a far layer at half size
+// Layers: sorts the pixels into a near and a far layer, 1 / BOKEH_LAYER_SCALE as large as the image
 //   Reads the CoC map and dilatedTiles. Writes both layers, and two targets for the passes after
 //   it: layerCoCSums, from which the CoC of each layer follows, and gatherCoC, which says how far
 //   the gather has to reach. Antialiased pixels of near edges hold light of what is behind; if that
