@@ -24,16 +24,16 @@ export const GLSL = {
 #define BOKEH_PRESET_DEFAULT 1
 #endif
 #if defined(BOKEH_PRESET_MOBILE) && defined(BOKEH_PRESET_LOW)
-#error two presets are defined: keep one
+#error
 #elif defined(BOKEH_PRESET_MEDIUM) && BOKEH_PRESET_SAMPLES < 9
-#error two presets are defined: keep one
+#error
 #elif defined(BOKEH_PRESET_HIGH) && BOKEH_PRESET_SAMPLES < 17
-#error two presets are defined: keep one
+#error
 #elif defined(BOKEH_PRESET_ULTRA) && BOKEH_PRESET_SAMPLES < 33
-#error two presets are defined: keep one
+#error
 #endif
 #if !defined(BOKEH_PRESET_DEFAULT) && (defined(BOKEH_NUM_SAMPLES) || defined(BOKEH_SPACING))
-#error a preset sets BOKEH_NUM_SAMPLES and BOKEH_SPACING: define it or them, not both
+#error
 #endif
 #ifndef BOKEH_NUM_SAMPLES
 #define BOKEH_NUM_SAMPLES BOKEH_PRESET_SAMPLES
@@ -59,18 +59,18 @@ export const GLSL = {
 #define BOKEH_TUNED_SHARP_WEIGHT 0.5
 #define BOKEH_TUNED_DENSE_RATIO 0.25
 #if BOKEH_NUM_SAMPLES < 2
-#error BOKEH_NUM_SAMPLES must be 2 or more: a line has two ends
+#error
 #endif
 #ifdef GL_ES
 #if __VERSION__ < 300
-#error bokeh.glsl needs GLSL ES 3.00 or later: put '#version 300 es' first
+#error
 #endif
 precision highp float;
 precision highp int;
 precision highp sampler2D;
 #else
 #if __VERSION__ < 330
-#error bokeh.glsl needs GLSL 3.30 or later: put '#version 330' first
+#error
 #endif
 #endif
 #ifndef BOKEH_DEPTH_MULTISAMPLED
@@ -85,225 +85,137 @@ precision highp sampler2D;
 #define BOKEH_DEPTH_TEXTURE sampler2D
 #define BOKEH_DEPTH_SIZE(tex) textureSize(tex, 0)
 #endif
-vec4 BokehFetchTexture(BOKEH_TEXTURE tex,vec2 coords)
-{
-return textureLod(tex,coords,0.0);
-}
-vec4 BokehFetchTexel(BOKEH_TEXTURE tex,vec2 coords)
-{
+vec4 BokehFetchTexture(BOKEH_TEXTURE tex,vec2 coords){
+return textureLod(tex,coords,0.);}
+vec4 BokehFetchTexel(BOKEH_TEXTURE tex,vec2 coords){
 ivec2 size=textureSize(tex,0);
-ivec2 texel=ivec2(clamp(coords,0.0,1.0)*vec2(size));
-return texelFetch(tex,min(texel,size-ivec2(1,1)),0);
-}
-vec2 BokehFetchDepth(BOKEH_DEPTH_TEXTURE tex,vec2 coords)
-{
+ivec2 texel=ivec2(clamp(coords,0.,1.)*vec2(size));
+return texelFetch(tex,min(texel,size-ivec2(1,1)),0);}
+vec2 BokehFetchDepth(BOKEH_DEPTH_TEXTURE tex,vec2 coords){
 ivec2 size=BOKEH_DEPTH_SIZE(tex);
-ivec2 texel=ivec2(clamp(coords,0.0,1.0)*vec2(size));
-return texelFetch(tex,min(texel,size-ivec2(1,1)),0).rg;
-}
+ivec2 texel=ivec2(clamp(coords,0.,1.)*vec2(size));
+return texelFetch(tex,min(texel,size-ivec2(1,1)),0).rg;}
 #endif
-vec4 BokehViewport=vec4(0.0,0.0,1.0,1.0);
-vec4 BokehViewportBounds=vec4(0.0,0.0,1.0,1.0);
-void BokehSetViewport(vec4 viewport,vec2 textureSize)
-{
-if(BOKEH_VIEWPORT > 0)
-{
-vec2 inset=min(vec2(0.5078125,0.5078125),viewport.zw*0.5);
+vec4 BokehViewport=vec4(0.,0.,1.,1.);
+vec4 BokehViewportBounds=vec4(0.,0.,1.,1.);
+void BokehSetViewport(vec4 viewport,vec2 textureSize){
+if(BOKEH_VIEWPORT>0){
+vec2 inset=min(vec2(.5078125,.5078125),viewport.zw*.5);
 BokehViewport=viewport/textureSize.xyxy;
 BokehViewportBounds=vec4(viewport.xy+inset,viewport.xy+viewport.zw-inset) /
-textureSize.xyxy;
-}
-}
-vec2 BokehToTexture(vec2 uv)
-{
+textureSize.xyxy;}}
+vec2 BokehToTexture(vec2 uv){
 vec2 coords=uv;
-if(BOKEH_VIEWPORT > 0)
-{
-coords=clamp(BokehViewport.xy+uv*BokehViewport.zw,BokehViewportBounds.xy,
-BokehViewportBounds.zw);
-}
-return coords;
-}
-vec4 BokehFetch(BOKEH_TEXTURE tex,vec2 uv)
-{
-return BokehFetchTexture(tex,BokehToTexture(uv));
-}
-struct BokehLens
-{
+if(BOKEH_VIEWPORT>0){
+coords=clamp(BokehViewport.xy+uv*BokehViewport.zw,BokehViewportBounds.xy,BokehViewportBounds.zw);}
+return coords;}
+vec4 BokehFetch(BOKEH_TEXTURE tex,vec2 uv){
+return BokehFetchTexture(tex,BokehToTexture(uv));}
+struct BokehLens{
 float apertureDiameter;
 float focalLength;
 float focusDistance;
 float sensorHeight;
 float maxCoC;
 };
-BokehLens BokehMakeLens(float apertureDiameter,float focalLength,float focusDistance)
-{
+BokehLens BokehMakeLens(float apertureDiameter,float focalLength,float focusDistance){
 BokehLens lens;
 lens.apertureDiameter=apertureDiameter;
 lens.focalLength=focalLength;
 lens.focusDistance=focusDistance;
-lens.sensorHeight=0.024;
-lens.maxCoC=0.1;
-return lens;
-}
-float BokehSignedCoC(float depth,BokehLens lens)
-{
+lens.sensorHeight=.024;
+lens.maxCoC=.1;
+return lens;}
+float BokehSignedCoC(float depth,BokehLens lens){
 float focus=min(lens.focusDistance,BOKEH_MAX_DEPTH);
 float magnification=lens.focalLength/max(focus-lens.focalLength,BOKEH_MIN_DEPTH);
 float c=lens.apertureDiameter*magnification*(abs(depth-focus)/depth);
-float CoC=clamp(c/max(lens.sensorHeight,BOKEH_MIN_DEPTH),0.0,lens.maxCoC);
-if(depth < focus)
-{
-CoC = -CoC;
-}
-return CoC;
-}
-float BokehSanitize(float value,float minimum,float maximum)
-{
+float CoC=clamp(c/max(lens.sensorHeight,BOKEH_MIN_DEPTH),0.,lens.maxCoC);
+if(depth<focus){
+CoC = -CoC;}
+return CoC;}
+float BokehSanitize(float value,float minimum,float maximum){
 float safe=minimum;
-if(value >= minimum)
-{
-safe=min(value,maximum);
-}
-return safe;
-}
-float BokehLinearDepth(vec2 stored,int kind,float nearPlane,float farPlane)
-{
+if(value>=minimum){
+safe=min(value,maximum);}
+return safe;}
+float BokehLinearDepth(vec2 stored,int kind,float nearPlane,float farPlane){
 float value=stored.x;
 float depth=value;
-if(kind==1)
-{
-depth=nearPlane*farPlane/(farPlane-value*(farPlane-nearPlane));
-}
-else if(kind==2)
-{
-depth=nearPlane*farPlane/(nearPlane+value*(farPlane-nearPlane));
-}
-else if(kind==3)
-{
+if(kind==1){
+depth=nearPlane*farPlane/(farPlane-value*(farPlane-nearPlane));}
+else if(kind==2){
+depth=nearPlane*farPlane/(nearPlane+value*(farPlane-nearPlane));}
+else if(kind==3){
 depth=BOKEH_MAX_DEPTH;
-if(value >= nearPlane/BOKEH_MAX_DEPTH)
-{
-depth=nearPlane/value;
-}
-}
-else if(kind==4)
-{
-depth=2.0*nearPlane*farPlane/(farPlane+nearPlane-value*(farPlane -
-nearPlane));
-}
-else if(kind==5)
-{
-depth=nearPlane+value*(farPlane-nearPlane);
-}
-else if(kind==6)
-{
-depth=nearPlane+(1.0-value)*(farPlane-nearPlane);
-}
-else if(kind==7)
-{
-depth=value*farPlane;
-}
-else if(kind==8)
-{
-depth=0.0;
-if(value >= 0.0)
-{
-depth=exp2(value*log2(farPlane+1.0))-1.0;
-}
-}
-else if(kind==9)
-{
+if(value>=nearPlane/BOKEH_MAX_DEPTH){
+depth=nearPlane/value;}}
+else if(kind==4){
+depth=2.*nearPlane*farPlane/(farPlane+nearPlane-value*(farPlane -nearPlane));}
+else if(kind==5){
+depth=nearPlane+value*(farPlane-nearPlane);}
+else if(kind==6){
+depth=nearPlane+(1.-value)*(farPlane-nearPlane);}
+else if(kind==7){
+depth=value*farPlane;}
+else if(kind==8){
+depth=0.;
+if(value>=0.){
+depth=exp2(value*log2(farPlane+1.))-1.;}}
+else if(kind==9){
 depth=BOKEH_MAX_DEPTH;
-if(stored.y >= 0.5)
-{
-depth=value/stored.y;
-}
-}
-return BokehSanitize(depth,BOKEH_MIN_DEPTH,BOKEH_MAX_DEPTH);
-}
-vec4 BokehPackCoC(vec4 color,float CoC)
-{
-return vec4(BokehSanitize(color.r,0.0,BOKEH_MAX_COLOR),BokehSanitize(color.g,0.0,
-BOKEH_MAX_COLOR),BokehSanitize(color.b,0.0,BOKEH_MAX_COLOR),CoC);
-}
-float BokehBrightness(vec4 color)
-{
-vec4 safe=BokehPackCoC(color,0.0);
-return safe.r+safe.g+safe.b;
-}
-vec3 BokehBrighter(vec3 brightest,vec4 color,vec2 direction)
-{
+if(stored.y>=.5){
+depth=value/stored.y;}}
+return BokehSanitize(depth,BOKEH_MIN_DEPTH,BOKEH_MAX_DEPTH);}
+vec4 BokehPackCoC(vec4 color,float CoC){
+return vec4(BokehSanitize(color.r,0.,BOKEH_MAX_COLOR),BokehSanitize(color.g,0.,BOKEH_MAX_COLOR),BokehSanitize(color.b,0.,BOKEH_MAX_COLOR),CoC);}
+float BokehBrightness(vec4 color){
+vec4 safe=BokehPackCoC(color,0.);
+return safe.r+safe.g+safe.b;}
+vec3 BokehBrighter(vec3 brightest,vec4 color,vec2 direction){
 vec3 result=brightest;
 float brightness=BokehBrightness(color);
-if(brightness > brightest.z)
-{
-result=vec3(direction,brightness);
-}
-return result;
-}
-vec4 BokehLightBeside(vec4 color,vec4 right,vec4 left,vec4 below,vec4 above)
-{
-float brightness=max(BokehBrightness(color),0.0000001);
-float darkest=min(min(BokehBrightness(right),BokehBrightness(left)),
-min(BokehBrightness(below),BokehBrightness(above)));
-vec3 brightest=vec3(0.0,0.0,brightness);
-brightest=BokehBrighter(brightest,right,vec2(1.0,0.0));
-brightest=BokehBrighter(brightest,left,vec2(-1.0,0.0));
-brightest=BokehBrighter(brightest,below,vec2(0.0,1.0));
-brightest=BokehBrighter(brightest,above,vec2(0.0,-1.0));
+if(brightness>brightest.z){
+result=vec3(direction,brightness);}
+return result;}
+vec4 BokehLightBeside(vec4 color,vec4 right,vec4 left,vec4 below,vec4 above){
+float brightness=max(BokehBrightness(color),.0000001);
+float darkest=min(min(BokehBrightness(right),BokehBrightness(left)),min(BokehBrightness(below),BokehBrightness(above)));
+vec3 brightest=vec3(0.,0.,brightness);
+brightest=BokehBrighter(brightest,right,vec2(1.,0.));
+brightest=BokehBrighter(brightest,left,vec2(-1.,0.));
+brightest=BokehBrighter(brightest,below,vec2(0.,1.));
+brightest=BokehBrighter(brightest,above,vec2(0.,-1.));
 float ratio=brightest.z/brightness;
-float dark=clamp((ratio-BOKEH_TUNED_LIGHT_START)/(BOKEH_TUNED_LIGHT_FULL -
-BOKEH_TUNED_LIGHT_START),0.0,1.0);
-float rim=clamp((brightness/max(darkest,0.0000001)-BOKEH_TUNED_RIM_START) /
-(BOKEH_TUNED_RIM_FULL-BOKEH_TUNED_RIM_START),0.0,1.0) *
-clamp(10.0*ratio-10.0,0.0,1.0);
-return vec4(brightest.xy,dark,rim);
-}
-vec4 BokehBrightNeighbor(BOKEH_TEXTURE ColorSamp,vec2 uv,vec2 imageSize)
-{
-vec2 pixel=1.0/max(imageSize,vec2(1.0,1.0));
-vec2 right=vec2(pixel.x,0.0);
-vec2 below=vec2(0.0,pixel.y);
-vec4 brightest=BokehLightBeside(BokehFetchTexel(ColorSamp,BokehToTexture(uv)),
-BokehFetchTexel(ColorSamp,BokehToTexture(uv+right)),
-BokehFetchTexel(ColorSamp,BokehToTexture(uv-right)),
-BokehFetchTexel(ColorSamp,BokehToTexture(uv+below)),
-BokehFetchTexel(ColorSamp,BokehToTexture(uv-below)));
-return vec4(brightest.xy*pixel,brightest.zw);
-}
-float BokehLightCoC(float CoC,float lightCoC,vec2 weights,float imageHeight)
-{
+float dark=clamp((ratio-BOKEH_TUNED_LIGHT_START)/(BOKEH_TUNED_LIGHT_FULL -BOKEH_TUNED_LIGHT_START),0.,1.);
+float rim=clamp((brightness/max(darkest,.0000001)-BOKEH_TUNED_RIM_START) /
+(BOKEH_TUNED_RIM_FULL-BOKEH_TUNED_RIM_START),0.,1.) *clamp(10.*ratio-10.,0.,1.);
+return vec4(brightest.xy,dark,rim);}
+vec4 BokehBrightNeighbor(BOKEH_TEXTURE ColorSamp,vec2 uv,vec2 imageSize){
+vec2 pixel=1./max(imageSize,vec2(1.,1.));
+vec2 right=vec2(pixel.x,0.);
+vec2 below=vec2(0.,pixel.y);
+vec4 brightest=BokehLightBeside(BokehFetchTexel(ColorSamp,BokehToTexture(uv)),BokehFetchTexel(ColorSamp,BokehToTexture(uv+right)),BokehFetchTexel(ColorSamp,BokehToTexture(uv-right)),BokehFetchTexel(ColorSamp,BokehToTexture(uv+below)),BokehFetchTexel(ColorSamp,BokehToTexture(uv-below)));
+return vec4(brightest.xy*pixel,brightest.zw);}
+float BokehLightCoC(float CoC,float lightCoC,vec2 weights,float imageHeight){
 float sharper=min(abs(CoC),abs(lightCoC));
-float dark=weights.x*clamp(sharper*imageHeight-1.0,0.0,1.0);
-float rim=weights.y*clamp(abs(CoC)*imageHeight-1.0,0.0,1.0);
+float dark=weights.x*clamp(sharper*imageHeight-1.,0.,1.);
+float rim=weights.y*clamp(abs(CoC)*imageHeight-1.,0.,1.);
 float weight=max(dark,rim);
-if(lightCoC < 0.0&&CoC > 0.0)
-{
-weight=floor(weight+0.5);
-}
-return CoC+(min(lightCoC,CoC)-CoC)*weight;
-}
-vec4 BokehSignedCoCMap(BOKEH_TEXTURE ColorSamp,BOKEH_DEPTH_TEXTURE DepthSamp,vec2 uv,
-vec2 depthUV,vec2 imageSize,BokehLens lens,int kind,vec2 planes)
-{
+if(lightCoC<0.&&CoC>0.){
+weight=floor(weight+.5);}
+return CoC+(min(lightCoC,CoC)-CoC)*weight;}
+vec4 BokehSignedCoCMap(BOKEH_TEXTURE ColorSamp,BOKEH_DEPTH_TEXTURE DepthSamp,vec2 uv,vec2 depthUV,vec2 imageSize,BokehLens lens,int kind,vec2 planes){
 float depth=BokehLinearDepth(BokehFetchDepth(DepthSamp,depthUV),kind,planes.x,planes.y);
 float CoC=BokehSignedCoC(depth,lens);
-if(abs(CoC)*imageSize.y > 1.0)
-{
+if(abs(CoC)*imageSize.y>1.){
 vec4 neighbor=BokehBrightNeighbor(ColorSamp,uv,imageSize);
-if(max(neighbor.z,neighbor.w) > 0.0)
-{
+if(max(neighbor.z,neighbor.w)>0.){
 vec2 offset=BokehToTexture(uv+neighbor.xy)-BokehToTexture(uv);
-depth=BokehLinearDepth(BokehFetchDepth(DepthSamp,depthUV+offset),kind,planes.x,
-planes.y);
-CoC=BokehLightCoC(CoC,BokehSignedCoC(depth,lens),neighbor.zw,imageSize.y);
-}
-}
-return BokehPackCoC(BokehFetchTexel(ColorSamp,BokehToTexture(uv)),CoC);
-}
-struct BokehSamplingSettings
-{
+depth=BokehLinearDepth(BokehFetchDepth(DepthSamp,depthUV+offset),kind,planes.x,planes.y);
+CoC=BokehLightCoC(CoC,BokehSignedCoC(depth,lens),neighbor.zw,imageSize.y);}}
+return BokehPackCoC(BokehFetchTexel(ColorSamp,BokehToTexture(uv)),CoC);}
+struct BokehSamplingSettings{
 float aspectRatio;
 float imageHeight;
 float spacing;
@@ -311,53 +223,36 @@ float jitter;
 float bleedingBias;
 float bleedingMult;
 };
-BokehSamplingSettings BokehDefaultSampling(vec2 imageSize)
-{
+BokehSamplingSettings BokehDefaultSampling(vec2 imageSize){
 BokehSamplingSettings settings;
 settings.aspectRatio=imageSize.x/imageSize.y;
 settings.imageHeight=imageSize.y;
 settings.spacing=BOKEH_SPACING;
-settings.jitter=0.0;
-settings.bleedingBias=0.02;
-settings.bleedingMult=30.0;
-return settings;
-}
-float BokehFilterCoC(float CoC,float imageHeight)
-{
+settings.jitter=0.;
+settings.bleedingBias=.02;
+settings.bleedingMult=30.;
+return settings;}
+float BokehFilterCoC(float CoC,float imageHeight){
 float filterCoC=CoC;
-if(BOKEH_SPACING > 0.0)
-{
-filterCoC=CoC*clamp((CoC*imageHeight-0.5)*2.0,0.0,1.0);
-}
-return filterCoC;
-}
-float BokehSampleCount(float lengthInPixels,float spacing)
-{
+if(BOKEH_SPACING>0.){
+filterCoC=CoC*clamp((CoC*imageHeight-.5)*2.,0.,1.);}
+return filterCoC;}
+float BokehSampleCount(float lengthInPixels,float spacing){
 float samples=float(BOKEH_NUM_SAMPLES);
-if(BOKEH_SPACING > 0.0)
-{
-samples=clamp(lengthInPixels/spacing,1.0,float(BOKEH_NUM_SAMPLES));
-}
-return samples;
-}
-float BokehSignedLeakageWeight(float sampleCoC,float centerCoC,BokehSamplingSettings settings)
-{
-float scale=1.0/max(settings.bleedingBias,0.001);
-float rejected=clamp((centerCoC*scale-0.5)-abs(sampleCoC)*scale,0.0,1.0);
-float weight=clamp(abs(sampleCoC)*settings.bleedingMult,0.0,1.0);
-return 1.0-rejected*(1.0-weight*weight);
-}
-vec4 BokehResolved(vec4 sum,vec4 centerPixel)
-{
+if(BOKEH_SPACING>0.){
+samples=clamp(lengthInPixels/spacing,1.,float(BOKEH_NUM_SAMPLES));}
+return samples;}
+float BokehSignedLeakageWeight(float sampleCoC,float centerCoC,BokehSamplingSettings settings){
+float scale=1./max(settings.bleedingBias,.001);
+float rejected=clamp((centerCoC*scale-.5)-abs(sampleCoC)*scale,0.,1.);
+float weight=clamp(abs(sampleCoC)*settings.bleedingMult,0.,1.);
+return 1.-rejected*(1.-weight*weight);}
+vec4 BokehResolved(vec4 sum,vec4 centerPixel){
 vec4 result=centerPixel;
-if(sum.a > 0.0)
-{
-result=vec4(sum.rgb/sum.a,centerPixel.a);
-}
-return result;
-}
-struct BokehPolygon
-{
+if(sum.a>0.){
+result=vec4(sum.rgb/sum.a,centerPixel.a);}
+return result;}
+struct BokehPolygon{
 int sides;
 vec2 axis;
 float squeeze;
@@ -367,15 +262,13 @@ vec2 corner;
 vec2 mean;
 float area;
 };
-struct BokehTargets
-{
+struct BokehTargets{
 vec4 strip2;
 vec4 strip3;
 vec4 strip4;
 vec4 strip5;
 };
-BokehPolygon BokehMakePolygon(int sides,float rotation,float squeeze)
-{
+BokehPolygon BokehMakePolygon(int sides,float rotation,float squeeze){
 float halfStep=3.14159265/float(sides);
 float edge=sin(halfStep);
 BokehPolygon polygon;
@@ -384,465 +277,295 @@ polygon.axis=vec2(cos(rotation),sin(rotation));
 polygon.squeeze=squeeze;
 polygon.lengths=vec4(edge,edge,edge,edge);
 polygon.fifth=edge;
-polygon.corner=vec2(0.5*cos(halfStep),0.5*edge);
-polygon.mean=vec2(0.0,0.5*cos(halfStep)*cos(halfStep)/(edge*(0.5*float(sides) -
-1.0)));
-polygon.area=0.25*float(sides)*edge*cos(halfStep);
-return polygon;
-}
-vec2 BokehRotated(vec2 direction,vec2 axis)
-{
-return vec2(direction.x*axis.x-direction.y*axis.y,direction.x*axis.y+direction.y *
-axis.x);
-}
-vec2 BokehTurn(float k,BokehPolygon polygon)
-{
+polygon.corner=vec2(.5*cos(halfStep),.5*edge);
+polygon.mean=vec2(0.,.5*cos(halfStep)*cos(halfStep)/(edge*(.5*float(sides) -1.)));
+polygon.area=.25*float(sides)*edge*cos(halfStep);
+return polygon;}
+vec2 BokehRotated(vec2 direction,vec2 axis){
+return vec2(direction.x*axis.x-direction.y*axis.y,direction.x*axis.y+direction.y *axis.x);}
+vec2 BokehTurn(float k,BokehPolygon polygon){
 float angle=6.28318531/float(polygon.sides)*k;
-return vec2(cos(angle),sin(angle));
-}
-float BokehEdgeLength(int k,BokehPolygon polygon)
-{
+return vec2(cos(angle),sin(angle));}
+float BokehEdgeLength(int k,BokehPolygon polygon){
 int edge=k;
-if(k > polygon.sides/2)
-{
-edge=k-polygon.sides/2;
-}
+if(k>polygon.sides/2){
+edge=k-polygon.sides/2;}
 float edgeLength=polygon.lengths.x;
-if(edge==2)
-{
-edgeLength=polygon.lengths.y;
-}
-else if(edge==3)
-{
-edgeLength=polygon.lengths.z;
-}
-else if(edge==4)
-{
-edgeLength=polygon.lengths.w;
-}
-else if(edge==5)
-{
-edgeLength=polygon.fifth;
-}
-return edgeLength;
-}
-vec2 BokehEdge(int k,BokehPolygon polygon)
-{
+if(edge==2){
+edgeLength=polygon.lengths.y;}
+else if(edge==3){
+edgeLength=polygon.lengths.z;}
+else if(edge==4){
+edgeLength=polygon.lengths.w;}
+else if(edge==5){
+edgeLength=polygon.fifth;}
+return edgeLength;}
+vec2 BokehEdge(int k,BokehPolygon polygon){
 vec2 outwards=BokehTurn(float(k),polygon);
-return vec2(-outwards.y,outwards.x)*BokehEdgeLength(k,polygon);
-}
-vec4 BokehEdgeLine(int k,BokehPolygon polygon,bool secondPass)
-{
-vec2 halfEdge=BokehEdge(k,polygon)*0.5;
+return vec2(-outwards.y,outwards.x)*BokehEdgeLength(k,polygon);}
+vec4 BokehEdgeLine(int k,BokehPolygon polygon,bool secondPass){
+vec2 halfEdge=BokehEdge(k,polygon)*.5;
 vec2 middle=polygon.corner-polygon.mean+halfEdge;
-vec4 before=clamp(float(k)-vec4(1.0,2.0,3.0,4.0),vec4(0.0,0.0,0.0,0.0),vec4(1.0,
-1.0,1.0,1.0));
-middle+=BokehEdge(1,polygon)*before.x+BokehEdge(2,polygon)*before.y+BokehEdge(3,
-polygon)*before.z+BokehEdge(4,polygon)*before.w;
-if(secondPass)
-{
-middle = -middle-polygon.corner;
-}
+vec4 before=clamp(float(k)-vec4(1.,2.,3.,4.),vec4(0.,0.,0.,0.),vec4(1.,1.,1.,1.));
+middle+=BokehEdge(1,polygon)*before.x+BokehEdge(2,polygon)*before.y+BokehEdge(3,polygon)*before.z+BokehEdge(4,polygon)*before.w;
+if(secondPass){
+middle = -middle-polygon.corner;}
 vec4 segment=vec4(BokehRotated(middle,polygon.axis),BokehRotated(halfEdge,polygon.axis));
-return segment*vec4(polygon.squeeze,1.0,polygon.squeeze,1.0);
-}
-vec4 BokehEdgeWeights(int k,BokehPolygon polygon)
-{
+return segment*vec4(polygon.squeeze,1.,polygon.squeeze,1.);}
+vec4 BokehEdgeWeights(int k,BokehPolygon polygon){
 float angle=6.28318531/float(polygon.sides);
-vec4 steps=max(vec4(float(k)-1.0,float(k)-2.0,float(k)-3.0,float(k)-4.0),vec4(0.0,
-0.0,0.0,0.0));
-return max(sin(steps*angle),vec4(0.0,0.0,0.0,0.0))*polygon.lengths;
-}
-float BokehEdgeArea(int k,BokehPolygon polygon)
-{
-return dot(BokehEdgeWeights(k,polygon),vec4(1.0,1.0,1.0,1.0))*BokehEdgeLength(k,
-polygon);
-}
-vec4 BokehRay(int k,BokehPolygon polygon,bool secondPass)
-{
-vec2 halfEdge=BokehEdge(k,polygon) * -0.5;
-if(k==2)
-{
-halfEdge = -halfEdge;
-}
+vec4 steps=max(vec4(float(k)-1.,float(k)-2.,float(k)-3.,float(k)-4.),vec4(0.,0.,0.,0.));
+return max(sin(steps*angle),vec4(0.,0.,0.,0.))*polygon.lengths;}
+float BokehEdgeArea(int k,BokehPolygon polygon){
+return dot(BokehEdgeWeights(k,polygon),vec4(1.,1.,1.,1.))*BokehEdgeLength(k,polygon);}
+vec4 BokehRay(int k,BokehPolygon polygon,bool secondPass){
+vec2 halfEdge=BokehEdge(k,polygon) * -.5;
+if(k==2){
+halfEdge = -halfEdge;}
 vec2 middle=halfEdge;
-if(secondPass)
-{
-middle-=polygon.corner+BokehEdge(2,polygon);
-}
+if(secondPass){
+middle-=polygon.corner+BokehEdge(2,polygon);}
 vec4 segment=vec4(BokehRotated(middle,polygon.axis),BokehRotated(halfEdge,polygon.axis));
-return segment*vec4(polygon.squeeze,1.0,polygon.squeeze,1.0);
-}
-float BokehNearRayWeight(float ratio)
-{
-return clamp(max(BOKEH_TUNED_SHARP_WEIGHT+4.0*ratio,-ratio),BOKEH_TUNED_SHARP_WEIGHT,
-1.0);
-}
-vec2 BokehFarRayWeight(float ratio,float samples,int i)
-{
-float part=min(abs(ratio),1.0);
-float reached=clamp(part*samples-float(i),0.0,1.0);
-return vec2(reached/max(part,BOKEH_TUNED_DENSE_RATIO),reached);
-}
-struct BokehLine
-{
+return segment*vec4(polygon.squeeze,1.,polygon.squeeze,1.);}
+float BokehNearRayWeight(float ratio){
+return clamp(max(BOKEH_TUNED_SHARP_WEIGHT+4.*ratio,-ratio),BOKEH_TUNED_SHARP_WEIGHT,1.);}
+vec2 BokehFarRayWeight(float ratio,float samples,int i){
+float part=min(abs(ratio),1.);
+float reached=clamp(part*samples-float(i),0.,1.);
+return vec2(reached/max(part,BOKEH_TUNED_DENSE_RATIO),reached);}
+struct BokehLine{
 vec4 sum;
 float reached;
 };
-BokehLine BokehLineSum(BOKEH_TEXTURE tex,vec2 uv,int k,BokehPolygon polygon,bool secondPass,
-bool rays,vec4 centerPixel,BokehSamplingSettings settings)
-{
-vec4 sum=vec4(0.0,0.0,0.0,0.0);
-float reached=0.0;
+BokehLine BokehLineSum(BOKEH_TEXTURE tex,vec2 uv,int k,BokehPolygon polygon,bool secondPass,bool rays,vec4 centerPixel,BokehSamplingSettings settings){
+vec4 sum=vec4(0.,0.,0.,0.);
+float reached=0.;
 float centerCoC=centerPixel.a;
 float CoC=BokehFilterCoC(abs(centerCoC),settings.imageHeight);
-if(CoC > 0.0)
-{
+if(CoC>0.){
 vec4 segment=BokehEdgeLine(k,polygon,secondPass);
-if(rays)
-{
-segment=BokehRay(k,polygon,secondPass);
-}
-float lengthInPixels=2.0*length(segment.zw)*CoC*settings.imageHeight;
+if(rays){
+segment=BokehRay(k,polygon,secondPass);}
+float lengthInPixels=2.*length(segment.zw)*CoC*settings.imageHeight;
 float samples=BokehSampleCount(lengthInPixels,settings.spacing);
-float phase=0.5+settings.jitter*clamp(lengthInPixels/samples-1.0,0.0,1.0);
+float phase=.5+settings.jitter*clamp(lengthInPixels/samples-1.,0.,1.);
 vec2 scale=vec2(CoC/settings.aspectRatio,CoC);
 vec2 first=uv+(segment.xy-segment.zw)*scale;
-vec2 sampleStep=segment.zw*scale*(2.0/samples);
-float inverseCoC=1.0/centerCoC;
-for(int i=0;i < BOKEH_NUM_SAMPLES;i++)
-{
-if(BOKEH_SPACING > 0.0&&float(i) >= samples)
-{
-break;
-}
-float part=clamp(samples-float(i),0.0,1.0);
+vec2 sampleStep=segment.zw*scale*(2./samples);
+float inverseCoC=1./centerCoC;
+for(int i=0;i<BOKEH_NUM_SAMPLES;i++){
+if(BOKEH_SPACING>0.&&float(i)>=samples){
+break;}
+float part=clamp(samples-float(i),0.,1.);
 vec4 samplePixel=BokehFetch(tex,first+sampleStep*(float(i)+part*phase));
-if(rays)
-{
+if(rays){
 float ratio=samplePixel.a*inverseCoC;
-if(centerCoC < 0.0)
-{
-sum+=vec4(samplePixel.rgb,1.0)*(part*BokehNearRayWeight(ratio));
-}
-else
-{
+if(centerCoC<0.){
+sum+=vec4(samplePixel.rgb,1.)*(part*BokehNearRayWeight(ratio));}
+else{
 vec2 weights=BokehFarRayWeight(ratio,samples,i);
-sum+=vec4(samplePixel.rgb,1.0)*weights.x;
-reached+=(samplePixel.r+samplePixel.g+samplePixel.b)*weights.y;
-}
-}
-else
-{
+sum+=vec4(samplePixel.rgb,1.)*weights.x;
+reached+=(samplePixel.r+samplePixel.g+samplePixel.b)*weights.y;}}
+else{
 float weight=part*BokehSignedLeakageWeight(samplePixel.a,centerCoC,settings);
-sum+=vec4(samplePixel.rgb,1.0)*weight;
-}
-}
-if(rays)
-{
-float excess=max(sum.a-samples,0.0);
+sum+=vec4(samplePixel.rgb,1.)*weight;}}
+if(rays){
+float excess=max(sum.a-samples,0.);
 vec4 mean=sum/max(sum.a,samples);
-vec4 removed=min(vec4(centerPixel.rgb,1.0),mean)*excess;
+vec4 removed=min(vec4(centerPixel.rgb,1.),mean)*excess;
 sum-=removed;
-reached=max(reached-removed.r-removed.g-removed.b,0.0);
-}
+reached=max(reached-removed.r-removed.g-removed.b,0.);}
 sum=sum/samples;
 reached=reached/samples;
-if(secondPass)
-{
-sum*=BokehEdgeArea(k,polygon);
-}
-}
+if(secondPass){
+sum*=BokehEdgeArea(k,polygon);}}
 BokehLine result;
 result.sum=sum;
 result.reached=reached;
-return result;
-}
-vec4 BokehExactTarget(int k,BokehPolygon polygon,bool rays,BokehLine L1,BokehLine L2,
-BokehLine L3,BokehLine L4,vec4 centerPixel)
-{
+return result;}
+vec4 BokehExactTarget(int k,BokehPolygon polygon,bool rays,BokehLine L1,BokehLine L2,BokehLine L3,BokehLine L4,vec4 centerPixel){
 vec4 weights=BokehEdgeWeights(k,polygon);
 vec4 sum=L1.sum*weights.x+L2.sum*weights.y+L3.sum*weights.z+L4.sum*weights.w;
 vec4 result=BokehResolved(sum,centerPixel);
 float gathered=sum.r+sum.g+sum.b;
-if(rays&&centerPixel.a > 0.0&&gathered > 0.0)
-{
+if(rays&&centerPixel.a>0.&&gathered>0.){
 float reached=dot(vec4(L1.reached,L2.reached,L3.reached,L4.reached),weights);
-result=vec4(result.rgb,result.a*min(reached/gathered*1.001,1.0));
-}
-return result;
-}
-BokehTargets BokehExactFirst(BOKEH_TEXTURE MapSamp,vec2 uv,int last,BokehPolygon polygon,
-BokehSamplingSettings settings)
-{
+result=vec4(result.rgb,result.a*min(reached/gathered*1.001,1.));}
+return result;}
+BokehTargets BokehExactFirst(BOKEH_TEXTURE MapSamp,vec2 uv,int last,BokehPolygon polygon,BokehSamplingSettings settings){
 vec4 centerPixel=BokehFetch(MapSamp,uv);
 bool rays=false;
-if(last < 4)
-{
-rays=polygon.sides==6;
-}
+if(last<4){
+rays=polygon.sides==6;}
 BokehLine L1=BokehLineSum(MapSamp,uv,1,polygon,false,rays,centerPixel,settings);
 BokehLine L2;
-L2.sum=vec4(0.0,0.0,0.0,0.0);
-L2.reached=0.0;
+L2.sum=vec4(0.,0.,0.,0.);
+L2.reached=0.;
 BokehLine L3=L2;
 BokehLine L4=L2;
-if(last > 2)
-{
-L2=BokehLineSum(MapSamp,uv,2,polygon,false,rays,centerPixel,settings);
-}
-if(last > 3)
-{
-L3=BokehLineSum(MapSamp,uv,3,polygon,false,rays,centerPixel,settings);
-}
-if(last > 4)
-{
-L4=BokehLineSum(MapSamp,uv,4,polygon,false,rays,centerPixel,settings);
-}
+if(last>2){
+L2=BokehLineSum(MapSamp,uv,2,polygon,false,rays,centerPixel,settings);}
+if(last>3){
+L3=BokehLineSum(MapSamp,uv,3,polygon,false,rays,centerPixel,settings);}
+if(last>4){
+L4=BokehLineSum(MapSamp,uv,4,polygon,false,rays,centerPixel,settings);}
 BokehTargets targets;
 targets.strip2=BokehExactTarget(2,polygon,rays,L1,L2,L3,L4,centerPixel);
 targets.strip3=BokehExactTarget(3,polygon,rays,L1,L2,L3,L4,centerPixel);
 targets.strip4=BokehExactTarget(4,polygon,rays,L1,L2,L3,L4,centerPixel);
 targets.strip5=BokehExactTarget(5,polygon,rays,L1,L2,L3,L4,centerPixel);
-return targets;
-}
-BokehTargets BokehSquareFirst(BOKEH_TEXTURE MapSamp,vec2 uv,BokehPolygon polygon,
-BokehSamplingSettings settings)
-{
-return BokehExactFirst(MapSamp,uv,2,polygon,settings);
-}
-vec4 BokehSquareSecond(BOKEH_TEXTURE Strip2Samp,vec2 uv,BokehPolygon polygon,
-BokehSamplingSettings settings)
-{
+return targets;}
+BokehTargets BokehSquareFirst(BOKEH_TEXTURE MapSamp,vec2 uv,BokehPolygon polygon,BokehSamplingSettings settings){
+return BokehExactFirst(MapSamp,uv,2,polygon,settings);}
+vec4 BokehSquareSecond(BOKEH_TEXTURE Strip2Samp,vec2 uv,BokehPolygon polygon,BokehSamplingSettings settings){
 vec4 pixel=BokehFetch(Strip2Samp,uv);
 BokehLine L2=BokehLineSum(Strip2Samp,uv,2,polygon,true,false,pixel,settings);
-return BokehResolved(L2.sum,pixel);
-}
-BokehTargets BokehHexagonFirst(BOKEH_TEXTURE MapSamp,vec2 uv,BokehPolygon polygon,
-BokehSamplingSettings settings)
-{
-return BokehExactFirst(MapSamp,uv,3,polygon,settings);
-}
-vec4 BokehHexagonSecond(BOKEH_TEXTURE Strip2Samp,BOKEH_TEXTURE Strip3Samp,vec2 uv,
-BokehPolygon polygon,BokehSamplingSettings settings)
-{
+return BokehResolved(L2.sum,pixel);}
+BokehTargets BokehHexagonFirst(BOKEH_TEXTURE MapSamp,vec2 uv,BokehPolygon polygon,BokehSamplingSettings settings){
+return BokehExactFirst(MapSamp,uv,3,polygon,settings);}
+vec4 BokehHexagonSecond(BOKEH_TEXTURE Strip2Samp,BOKEH_TEXTURE Strip3Samp,vec2 uv,BokehPolygon polygon,BokehSamplingSettings settings){
 vec4 pixel=BokehFetch(Strip2Samp,uv);
 BokehLine L2=BokehLineSum(Strip2Samp,uv,2,polygon,true,true,pixel,settings);
 BokehLine L3=BokehLineSum(Strip3Samp,uv,3,polygon,true,true,pixel,settings);
-return BokehResolved(L2.sum+L3.sum,pixel);
-}
-BokehTargets BokehOctagonFirst(BOKEH_TEXTURE MapSamp,vec2 uv,BokehPolygon polygon,
-BokehSamplingSettings settings)
-{
-return BokehExactFirst(MapSamp,uv,4,polygon,settings);
-}
-vec4 BokehOctagonSecond(BOKEH_TEXTURE Strip2Samp,BOKEH_TEXTURE Strip3Samp,
-BOKEH_TEXTURE Strip4Samp,vec2 uv,BokehPolygon polygon,BokehSamplingSettings settings)
-{
+return BokehResolved(L2.sum+L3.sum,pixel);}
+BokehTargets BokehOctagonFirst(BOKEH_TEXTURE MapSamp,vec2 uv,BokehPolygon polygon,BokehSamplingSettings settings){
+return BokehExactFirst(MapSamp,uv,4,polygon,settings);}
+vec4 BokehOctagonSecond(BOKEH_TEXTURE Strip2Samp,BOKEH_TEXTURE Strip3Samp,BOKEH_TEXTURE Strip4Samp,vec2 uv,BokehPolygon polygon,BokehSamplingSettings settings){
 vec4 pixel=BokehFetch(Strip2Samp,uv);
 BokehLine L2=BokehLineSum(Strip2Samp,uv,2,polygon,true,false,pixel,settings);
 BokehLine L3=BokehLineSum(Strip3Samp,uv,3,polygon,true,false,pixel,settings);
 BokehLine L4=BokehLineSum(Strip4Samp,uv,4,polygon,true,false,pixel,settings);
-return BokehResolved(L2.sum+L3.sum+L4.sum,pixel);
-}
-BokehTargets BokehDecagonFirst(BOKEH_TEXTURE MapSamp,vec2 uv,BokehPolygon polygon,
-BokehSamplingSettings settings)
-{
-return BokehExactFirst(MapSamp,uv,5,polygon,settings);
-}
-vec4 BokehDecagonSecond(BOKEH_TEXTURE Strip2Samp,BOKEH_TEXTURE Strip3Samp,
-BOKEH_TEXTURE Strip4Samp,BOKEH_TEXTURE Strip5Samp,vec2 uv,BokehPolygon polygon,
-BokehSamplingSettings settings)
-{
+return BokehResolved(L2.sum+L3.sum+L4.sum,pixel);}
+BokehTargets BokehDecagonFirst(BOKEH_TEXTURE MapSamp,vec2 uv,BokehPolygon polygon,BokehSamplingSettings settings){
+return BokehExactFirst(MapSamp,uv,5,polygon,settings);}
+vec4 BokehDecagonSecond(BOKEH_TEXTURE Strip2Samp,BOKEH_TEXTURE Strip3Samp,BOKEH_TEXTURE Strip4Samp,BOKEH_TEXTURE Strip5Samp,vec2 uv,BokehPolygon polygon,BokehSamplingSettings settings){
 vec4 pixel=BokehFetch(Strip2Samp,uv);
 BokehLine L2=BokehLineSum(Strip2Samp,uv,2,polygon,true,false,pixel,settings);
 BokehLine L3=BokehLineSum(Strip3Samp,uv,3,polygon,true,false,pixel,settings);
 BokehLine L4=BokehLineSum(Strip4Samp,uv,4,polygon,true,false,pixel,settings);
 BokehLine L5=BokehLineSum(Strip5Samp,uv,5,polygon,true,false,pixel,settings);
-return BokehResolved(L2.sum+L3.sum+L4.sum+L5.sum,pixel);
-}
+return BokehResolved(L2.sum+L3.sum+L4.sum+L5.sum,pixel);}
 `,
   bokeh_paper: `
 #ifndef BOKEH_VIEWPORT
-#error put bokeh.glsl before bokeh_paper.glsl
+#error
 #endif
 #define BOKEH_PAPER 1
 #ifndef BOKEH_PAPER_SAMPLES
 #define BOKEH_PAPER_SAMPLES 13
 #endif
 #if BOKEH_PAPER_SAMPLES < 2
-#error BOKEH_PAPER_SAMPLES must be 2 or more: a line has two ends
+#error
 #endif
-float BokehPaperDepth(BOKEH_DEPTH_TEXTURE DepthSamp,vec2 uv)
-{
-return BokehSanitize(BokehFetchDepth(DepthSamp,BokehToTexture(uv)).x,BOKEH_MIN_DEPTH,
-BOKEH_MAX_DEPTH);
-}
-vec4 BokehCoCMap(BOKEH_TEXTURE ColorSamp,BOKEH_DEPTH_TEXTURE DepthSamp,vec2 uv,BokehLens lens)
-{
-return BokehPackCoC(BokehFetchTexel(ColorSamp,BokehToTexture(uv)),
-abs(BokehSignedCoC(BokehPaperDepth(DepthSamp,uv),lens)));
-}
-vec2 BokehLineEnd(float angle,float aspectRatio)
-{
-return vec2(0.5*cos(angle)/aspectRatio,0.5*sin(angle));
-}
-vec2 BokehMakeOffsets(vec2 lineEnd,int i,int numSamples)
-{
+float BokehPaperDepth(BOKEH_DEPTH_TEXTURE DepthSamp,vec2 uv){
+return BokehSanitize(BokehFetchDepth(DepthSamp,BokehToTexture(uv)).x,BOKEH_MIN_DEPTH,BOKEH_MAX_DEPTH);}
+vec4 BokehCoCMap(BOKEH_TEXTURE ColorSamp,BOKEH_DEPTH_TEXTURE DepthSamp,vec2 uv,BokehLens lens){
+return BokehPackCoC(BokehFetchTexel(ColorSamp,BokehToTexture(uv)),abs(BokehSignedCoC(BokehPaperDepth(DepthSamp,uv),lens)));}
+vec2 BokehLineEnd(float angle,float aspectRatio){
+return vec2(.5*cos(angle)/aspectRatio,.5*sin(angle));}
+vec2 BokehMakeOffsets(vec2 lineEnd,int i,int numSamples){
 int last=max(numSamples,2)-1;
 float t=float(2*i-last)/float(last);
-return lineEnd*t;
-}
-vec4 BokehSegment(float angle,float lineLength,vec2 lineCenter,float squeeze)
-{
-vec2 halfLine=vec2(cos(angle),sin(angle))*0.5*lineLength;
-return vec4(lineCenter,halfLine)*vec4(squeeze,1.0,squeeze,1.0);
-}
-float BokehLeakageWeight(float sampleDepth,float sampleCoC,float centerDepth,float centerCoC,
-BokehSamplingSettings settings)
-{
-float weight=1.0;
-if(sampleDepth < centerDepth&&centerCoC > sampleCoC+settings.bleedingBias)
-{
-weight=clamp(sampleCoC*settings.bleedingMult,0.0,1.0);
-}
-return weight;
-}
-vec4 BokehResolve(vec4 color,float totalWeight,vec4 centerPixel,bool blurCoC)
-{
+return lineEnd*t;}
+vec4 BokehSegment(float angle,float lineLength,vec2 lineCenter,float squeeze){
+vec2 halfLine=vec2(cos(angle),sin(angle))*.5*lineLength;
+return vec4(lineCenter,halfLine)*vec4(squeeze,1.,squeeze,1.);}
+float BokehLeakageWeight(float sampleDepth,float sampleCoC,float centerDepth,float centerCoC,BokehSamplingSettings settings){
+float weight=1.;
+if(sampleDepth<centerDepth&&centerCoC>sampleCoC+settings.bleedingBias){
+weight=clamp(sampleCoC*settings.bleedingMult,0.,1.);}
+return weight;}
+vec4 BokehResolve(vec4 color,float totalWeight,vec4 centerPixel,bool blurCoC){
 vec4 result=centerPixel;
-if(totalWeight > 0.0)
-{
-result=color/totalWeight;
-}
-if(!blurCoC)
-{
-result=vec4(result.rgb,centerPixel.a);
-}
-return result;
-}
-vec4 BokehDepthOfField(BOKEH_TEXTURE ColorSamp,BOKEH_DEPTH_TEXTURE DepthSamp,vec2 uv,
-vec2 lineEnd,BokehSamplingSettings settings,bool blurCoC)
-{
+if(totalWeight>0.){
+result=color/totalWeight;}
+if(!blurCoC){
+result=vec4(result.rgb,centerPixel.a);}
+return result;}
+vec4 BokehDepthOfField(BOKEH_TEXTURE ColorSamp,BOKEH_DEPTH_TEXTURE DepthSamp,vec2 uv,vec2 lineEnd,BokehSamplingSettings settings,bool blurCoC){
 vec4 centerPixel=BokehFetch(ColorSamp,uv);
 float centerDepth=BokehPaperDepth(DepthSamp,uv);
-vec4 color=vec4(0.0,0.0,0.0,0.0);
-float totalWeight=0.0;
-for(int i=0;i < BOKEH_PAPER_SAMPLES;i++)
-{
+vec4 color=vec4(0.,0.,0.,0.);
+float totalWeight=0.;
+for(int i=0;i<BOKEH_PAPER_SAMPLES;i++){
 vec2 offset=BokehMakeOffsets(lineEnd,i,BOKEH_PAPER_SAMPLES);
 vec2 sampleCoords=uv+offset*centerPixel.a;
 vec4 samplePixel=BokehFetch(ColorSamp,sampleCoords);
 float sampleDepth=BokehFetchDepth(DepthSamp,BokehToTexture(sampleCoords)).x;
-float weight=BokehLeakageWeight(sampleDepth,samplePixel.a,centerDepth,centerPixel.a,
-settings);
+float weight=BokehLeakageWeight(sampleDepth,samplePixel.a,centerDepth,centerPixel.a,settings);
 color+=samplePixel*weight;
-totalWeight+=weight;
-}
-return BokehResolve(color,totalWeight,centerPixel,blurCoC);
-}
-vec4 BokehDepthOfFieldAdaptive(BOKEH_TEXTURE ColorSamp,BOKEH_DEPTH_TEXTURE DepthSamp,vec2 uv,
-vec4 segment,BokehSamplingSettings settings,bool blurCoC)
-{
+totalWeight+=weight;}
+return BokehResolve(color,totalWeight,centerPixel,blurCoC);}
+vec4 BokehDepthOfFieldAdaptive(BOKEH_TEXTURE ColorSamp,BOKEH_DEPTH_TEXTURE DepthSamp,vec2 uv,vec4 segment,BokehSamplingSettings settings,bool blurCoC){
 vec4 centerPixel=BokehFetch(ColorSamp,uv);
 vec4 result=centerPixel;
 float CoC=BokehFilterCoC(centerPixel.a,settings.imageHeight);
-if(CoC > 0.0)
-{
+if(CoC>0.){
 float centerDepth=BokehPaperDepth(DepthSamp,uv);
-float lengthInPixels=2.0*length(segment.zw)*CoC*settings.imageHeight;
+float lengthInPixels=2.*length(segment.zw)*CoC*settings.imageHeight;
 float samples=BokehSampleCount(lengthInPixels,settings.spacing);
-float phase=0.5+settings.jitter*clamp(lengthInPixels/samples-1.0,0.0,1.0);
+float phase=.5+settings.jitter*clamp(lengthInPixels/samples-1.,0.,1.);
 vec2 scale=vec2(CoC/settings.aspectRatio,CoC);
 vec2 first=uv+(segment.xy-segment.zw)*scale;
-vec2 sampleStep=segment.zw*scale*(2.0/samples);
-vec4 color=vec4(0.0,0.0,0.0,0.0);
-float totalWeight=0.0;
-for(int i=0;i < BOKEH_NUM_SAMPLES;i++)
-{
-if(BOKEH_SPACING > 0.0&&float(i) >= samples)
-{
-break;
-}
-float part=clamp(samples-float(i),0.0,1.0);
+vec2 sampleStep=segment.zw*scale*(2./samples);
+vec4 color=vec4(0.,0.,0.,0.);
+float totalWeight=0.;
+for(int i=0;i<BOKEH_NUM_SAMPLES;i++){
+if(BOKEH_SPACING>0.&&float(i)>=samples){
+break;}
+float part=clamp(samples-float(i),0.,1.);
 vec2 sampleCoords=first+sampleStep*(float(i)+part*phase);
 vec4 samplePixel=BokehFetch(ColorSamp,sampleCoords);
 float sampleDepth=BokehFetchDepth(DepthSamp,BokehToTexture(sampleCoords)).x;
-float weight=part*BokehLeakageWeight(sampleDepth,samplePixel.a,centerDepth,
-centerPixel.a,settings);
+float weight=part*BokehLeakageWeight(sampleDepth,samplePixel.a,centerDepth,centerPixel.a,settings);
 color+=samplePixel*weight;
-totalWeight+=weight;
-}
-result=BokehResolve(color,totalWeight,centerPixel,blurCoC);
-}
-return result;
-}
-vec4 BokehCombine(vec4 a,vec4 b,bool useMax)
-{
+totalWeight+=weight;}
+result=BokehResolve(color,totalWeight,centerPixel,blurCoC);}
+return result;}
+vec4 BokehCombine(vec4 a,vec4 b,bool useMax){
 vec4 result=min(a,b);
-if(useMax)
-{
-result=max(a,b);
-}
-return result;
-}
-vec4 BokehDepthOfFieldFinal(BOKEH_TEXTURE ColorSamp,BOKEH_DEPTH_TEXTURE DepthSamp,
-BOKEH_TEXTURE CompareSamp,vec2 uv,vec2 lineEnd,BokehSamplingSettings settings,bool blurCoC,
-bool useMax)
-{
+if(useMax){
+result=max(a,b);}
+return result;}
+vec4 BokehDepthOfFieldFinal(BOKEH_TEXTURE ColorSamp,BOKEH_DEPTH_TEXTURE DepthSamp,BOKEH_TEXTURE CompareSamp,vec2 uv,vec2 lineEnd,BokehSamplingSettings settings,bool blurCoC,bool useMax){
 vec4 a=BokehDepthOfField(ColorSamp,DepthSamp,uv,lineEnd,settings,blurCoC);
-return BokehCombine(a,BokehFetch(CompareSamp,uv),useMax);
-}
-vec4 BokehNaiveGather(BOKEH_TEXTURE ColorSamp,BOKEH_DEPTH_TEXTURE DepthSamp,
-BOKEH_TEXTURE KernelSamp,vec2 uv,BokehSamplingSettings settings,bool blurCoC)
-{
+return BokehCombine(a,BokehFetch(CompareSamp,uv),useMax);}
+vec4 BokehNaiveGather(BOKEH_TEXTURE ColorSamp,BOKEH_DEPTH_TEXTURE DepthSamp,BOKEH_TEXTURE KernelSamp,vec2 uv,BokehSamplingSettings settings,bool blurCoC){
 vec4 centerPixel=BokehFetch(ColorSamp,uv);
 float centerDepth=BokehPaperDepth(DepthSamp,uv);
 vec2 scale=vec2(centerPixel.a/settings.aspectRatio,centerPixel.a);
-vec4 color=vec4(0.0,0.0,0.0,0.0);
-float totalWeight=0.0;
-for(int i=0;i < BOKEH_PAPER_SAMPLES;i++)
-{
-vec2 offset=BokehFetchTexel(KernelSamp,vec2((float(i)+0.5) /
-float(BOKEH_PAPER_SAMPLES),0.5)).rg;
+vec4 color=vec4(0.,0.,0.,0.);
+float totalWeight=0.;
+for(int i=0;i<BOKEH_PAPER_SAMPLES;i++){
+vec2 offset=BokehFetchTexel(KernelSamp,vec2((float(i)+.5) /
+float(BOKEH_PAPER_SAMPLES),.5)).rg;
 vec2 sampleCoords=uv+offset*scale;
 vec4 samplePixel=BokehFetch(ColorSamp,sampleCoords);
 float sampleDepth=BokehFetchDepth(DepthSamp,BokehToTexture(sampleCoords)).x;
-float weight=BokehLeakageWeight(sampleDepth,samplePixel.a,centerDepth,centerPixel.a,
-settings);
+float weight=BokehLeakageWeight(sampleDepth,samplePixel.a,centerDepth,centerPixel.a,settings);
 color+=samplePixel*weight;
-totalWeight+=weight;
-}
-return BokehResolve(color,totalWeight,centerPixel,blurCoC);
-}
-vec4 BokehNaiveGrid(BOKEH_TEXTURE ColorSamp,BOKEH_DEPTH_TEXTURE DepthSamp,vec2 uv,vec2 lineEndU,
-vec2 lineEndV,BokehSamplingSettings settings,bool blurCoC)
-{
+totalWeight+=weight;}
+return BokehResolve(color,totalWeight,centerPixel,blurCoC);}
+vec4 BokehNaiveGrid(BOKEH_TEXTURE ColorSamp,BOKEH_DEPTH_TEXTURE DepthSamp,vec2 uv,vec2 lineEndU,vec2 lineEndV,BokehSamplingSettings settings,bool blurCoC){
 vec4 centerPixel=BokehFetch(ColorSamp,uv);
 float centerDepth=BokehPaperDepth(DepthSamp,uv);
-vec4 color=vec4(0.0,0.0,0.0,0.0);
-float totalWeight=0.0;
-for(int j=0;j < BOKEH_PAPER_SAMPLES;j++)
-{
+vec4 color=vec4(0.,0.,0.,0.);
+float totalWeight=0.;
+for(int j=0;j<BOKEH_PAPER_SAMPLES;j++){
 vec2 rowOffset=BokehMakeOffsets(lineEndV,j,BOKEH_PAPER_SAMPLES);
-for(int i=0;i < BOKEH_PAPER_SAMPLES;i++)
-{
+for(int i=0;i<BOKEH_PAPER_SAMPLES;i++){
 vec2 offset=rowOffset+BokehMakeOffsets(lineEndU,i,BOKEH_PAPER_SAMPLES);
 vec2 sampleCoords=uv+offset*centerPixel.a;
 vec4 samplePixel=BokehFetch(ColorSamp,sampleCoords);
 float sampleDepth=BokehFetchDepth(DepthSamp,BokehToTexture(sampleCoords)).x;
-float weight=BokehLeakageWeight(sampleDepth,samplePixel.a,centerDepth,
-centerPixel.a,settings);
+float weight=BokehLeakageWeight(sampleDepth,samplePixel.a,centerDepth,centerPixel.a,settings);
 color+=samplePixel*weight;
-totalWeight+=weight;
-}
-}
-return BokehResolve(color,totalWeight,centerPixel,blurCoC);
-}
+totalWeight+=weight;}}
+return BokehResolve(color,totalWeight,centerPixel,blurCoC);}
 `,
   bokeh_layers: `
 #ifndef BOKEH_VIEWPORT
-#error put bokeh.glsl before bokeh_layers.glsl
+#error
 #endif
 #define BOKEH_LAYERS 1
 #if defined(BOKEH_PRESET_MOBILE)
@@ -873,9 +596,9 @@ return BokehResolve(color,totalWeight,centerPixel,blurCoC);
 #endif
 #ifndef BOKEH_PRESET_DEFAULT
 #if defined(BOKEH_LAYER_RINGS) || defined(BOKEH_LAYER_SAMPLES) || defined(BOKEH_LAYER_CUBIC)
-#error a preset sets BOKEH_LAYER_RINGS, _SAMPLES and _CUBIC: define it or them, not both
+#error
 #elif defined(BOKEH_LAYER_SCALE)
-#error a preset sets BOKEH_LAYER_SCALE: define it or them, not both
+#error
 #endif
 #endif
 #ifndef BOKEH_LAYER_RINGS
@@ -913,14 +636,12 @@ return BokehResolve(color,totalWeight,centerPixel,blurCoC);
 #define BOKEH_TUNED_RING_STEP 0.04
 #define BOKEH_TUNED_PIXEL_BLUR 0.6
 #define BOKEH_TUNED_NEAR_ALPHA 1.002
-struct BokehGrid
-{
+struct BokehGrid{
 vec2 size;
 vec2 origin;
 vec2 texel;
 };
-struct BokehLayerContext
-{
+struct BokehLayerContext{
 vec2 uv;
 vec2 size;
 vec2 origin;
@@ -928,743 +649,500 @@ vec2 texel;
 float largest;
 float jitter;
 };
-BokehLayerContext BokehMakeLayerContext(vec2 uv,vec2 imageSize,float maxCoC)
-{
+BokehLayerContext BokehMakeLayerContext(vec2 uv,vec2 imageSize,float maxCoC){
 BokehLayerContext layers;
 layers.uv=uv;
 layers.size=imageSize;
-layers.origin=vec2(0.0,0.0);
-layers.texel=1.0/imageSize;
+layers.origin=vec2(0.,0.);
+layers.texel=1./imageSize;
 layers.largest=maxCoC*imageSize.y;
-layers.jitter=0.0;
-return layers;
-}
-BokehGrid BokehFullGrid(BokehLayerContext layers)
-{
+layers.jitter=0.;
+return layers;}
+BokehGrid BokehFullGrid(BokehLayerContext layers){
 BokehGrid grid;
 grid.size=layers.size;
 grid.origin=layers.origin;
 grid.texel=layers.texel;
-return grid;
-}
-BokehGrid BokehReducedGrid(BokehLayerContext layers,float scale)
-{
+return grid;}
+BokehGrid BokehReducedGrid(BokehLayerContext layers,float scale){
 BokehGrid grid;
 grid.size=ceil(layers.size/scale);
 grid.origin=layers.origin/scale;
-grid.texel=1.0/grid.size;
-if(BOKEH_VIEWPORT > 0)
-{
-grid.texel=1.0/ceil(floor(1.0/layers.texel+0.5)/scale);
-}
-return grid;
-}
-BokehGrid BokehLayerGrid(BokehLayerContext layers)
-{
-return BokehReducedGrid(layers,float(BOKEH_LAYER_SCALE));
-}
-vec2 BokehGridCoords(vec2 place,BokehGrid grid)
-{
+grid.texel=1./grid.size;
+if(BOKEH_VIEWPORT>0){
+grid.texel=1./ceil(floor(1./layers.texel+.5)/scale);}
+return grid;}
+BokehGrid BokehLayerGrid(BokehLayerContext layers){
+return BokehReducedGrid(layers,float(BOKEH_LAYER_SCALE));}
+vec2 BokehGridCoords(vec2 place,BokehGrid grid){
 vec2 coords=place;
-if(BOKEH_VIEWPORT > 0)
-{
-vec2 inset=min(vec2(0.5078125,0.5078125),grid.size*0.5);
-coords=grid.origin+clamp(place,inset,grid.size-inset);
-}
-return coords*grid.texel;
-}
-vec4 BokehFetchGrid(BOKEH_TEXTURE tex,vec2 place,BokehGrid grid)
-{
-return BokehFetchTexture(tex,BokehGridCoords(place,grid));
-}
-vec4 BokehFetchAround(BOKEH_TEXTURE tex,vec2 center,vec2 offset,BokehGrid grid)
-{
+if(BOKEH_VIEWPORT>0){
+vec2 inset=min(vec2(.5078125,.5078125),grid.size*.5);
+coords=grid.origin+clamp(place,inset,grid.size-inset);}
+return coords*grid.texel;}
+vec4 BokehFetchGrid(BOKEH_TEXTURE tex,vec2 place,BokehGrid grid){
+return BokehFetchTexture(tex,BokehGridCoords(place,grid));}
+vec4 BokehFetchAround(BOKEH_TEXTURE tex,vec2 center,vec2 offset,BokehGrid grid){
 vec2 coords=(center+offset)/grid.size;
-if(BOKEH_VIEWPORT > 0)
-{
-coords=BokehGridCoords(center+offset,grid);
-}
-return BokehFetchTexture(tex,coords);
-}
-float BokehBrightest(vec3 color)
-{
-return max(max(color.r,color.g),color.b);
-}
-float BokehLayerSlope(float largest,float startCoC,float fullCoC)
-{
-float gate=clamp((largest-startCoC)/(fullCoC-startCoC),0.001,1.0);
-return 5.0/max(largest/gate,2.0);
-}
-float BokehNearSlope(float largest)
-{
-return BokehLayerSlope(min(largest,BOKEH_TUNED_NEAR_LIMIT),BOKEH_TUNED_NEAR_START,
-BOKEH_TUNED_NEAR_FULL);
-}
-float BokehFarSlope(float largest)
-{
-return BokehLayerSlope(largest,BOKEH_TUNED_FAR_START,BOKEH_TUNED_FAR_FULL);
-}
-float BokehLayerWeight(float CoC,float slope)
-{
-return clamp(CoC*slope-2.0,0.0,1.0);
-}
-vec4 BokehTileMax(BOKEH_TEXTURE MapSamp,BokehLayerContext layers)
-{
-vec2 first=floor(layers.uv*ceil(layers.size/8.0))*8.0+vec2(0.5,0.5);
-vec3 found=vec3(0.0,0.0,0.0);
-for(int y=0;y < 8;y++)
-{
-for(int x=0;x < 8;x++)
-{
+if(BOKEH_VIEWPORT>0){
+coords=BokehGridCoords(center+offset,grid);}
+return BokehFetchTexture(tex,coords);}
+float BokehBrightest(vec3 color){
+return max(max(color.r,color.g),color.b);}
+float BokehLayerSlope(float largest,float startCoC,float fullCoC){
+float gate=clamp((largest-startCoC)/(fullCoC-startCoC),.001,1.);
+return 5./max(largest/gate,2.);}
+float BokehNearSlope(float largest){
+return BokehLayerSlope(min(largest,BOKEH_TUNED_NEAR_LIMIT),BOKEH_TUNED_NEAR_START,BOKEH_TUNED_NEAR_FULL);}
+float BokehFarSlope(float largest){
+return BokehLayerSlope(largest,BOKEH_TUNED_FAR_START,BOKEH_TUNED_FAR_FULL);}
+float BokehLayerWeight(float CoC,float slope){
+return clamp(CoC*slope-2.,0.,1.);}
+vec4 BokehTileMax(BOKEH_TEXTURE MapSamp,BokehLayerContext layers){
+vec2 first=floor(layers.uv*ceil(layers.size/8.))*8.+vec2(.5,.5);
+vec3 found=vec3(0.,0.,0.);
+for(int y=0;y<8;y++){
+for(int x=0;x<8;x++){
 vec2 place=first+vec2(float(x),float(y));
 vec4 pixel=BokehFetchGrid(MapSamp,place,BokehFullGrid(layers));
 float s=pixel.a*layers.size.y;
 float logBrightness=log2(max(BokehBrightest(pixel.rgb),BOKEH_MIN_BRIGHTNESS));
-found=vec3(max(found.r,-s),max(found.g,s),found.b+logBrightness);
-}
-}
-return vec4(min(found.r,BOKEH_MAX_COLOR),min(found.g,BOKEH_MAX_COLOR),found.b/64.0,1.0);
-}
-vec2 BokehReaching(vec2 CoC,float tiles)
-{
-vec2 share=CoC/16.0+1.0-max(tiles-2.0,0.0);
-return CoC*clamp(share,vec2(0.0,0.0),vec2(1.0,1.0));
-}
-float BokehReachTiles(BokehLayerContext layers)
-{
-return min(ceil(layers.largest/16.0)+2.0,127.0);
-}
-vec4 BokehTileDilate(BOKEH_TEXTURE TilesSamp,vec2 axis,BokehLayerContext layers)
-{
-BokehGrid grid=BokehReducedGrid(layers,8.0);
+found=vec3(max(found.r,-s),max(found.g,s),found.b+logBrightness);}}
+return vec4(min(found.r,BOKEH_MAX_COLOR),min(found.g,BOKEH_MAX_COLOR),found.b/64.,1.);}
+vec2 BokehReaching(vec2 CoC,float tiles){
+vec2 share=CoC/16.+1.-max(tiles-2.,0.);
+return CoC*clamp(share,vec2(0.,0.),vec2(1.,1.));}
+float BokehReachTiles(BokehLayerContext layers){
+return min(ceil(layers.largest/16.)+2.,127.);}
+vec4 BokehTileDilate(BOKEH_TEXTURE TilesSamp,vec2 axis,BokehLayerContext layers){
+BokehGrid grid=BokehReducedGrid(layers,8.);
 float radius=BokehReachTiles(layers);
-vec2 found=vec2(0.0,0.0);
-float logBrightness=0.0;
-for(int i=0;i < 255;i++)
-{
+vec2 found=vec2(0.,0.);
+float logBrightness=0.;
+for(int i=0;i<255;i++){
 float tiles=float(i)-radius;
-if(tiles > radius)
-{
-break;
-}
+if(tiles>radius){
+break;}
 vec4 tile=BokehFetchGrid(TilesSamp,layers.uv*grid.size+axis*tiles,grid);
 found=max(found,BokehReaching(tile.rg,abs(tiles)));
-logBrightness+=tile.b;
-}
-return vec4(found,logBrightness/(2.0*radius+1.0),1.0);
-}
-vec4 BokehBlurWeights(vec4 a,vec4 b,vec4 c,vec4 d,float inverseBrightness,float maxWeight)
-{
-vec4 brightest=vec4(BokehBrightest(a.rgb),BokehBrightest(b.rgb),BokehBrightest(c.rgb),
-BokehBrightest(d.rgb));
-return min(0.01+brightest*inverseBrightness,vec4(maxWeight,maxWeight,maxWeight,
-maxWeight));
-}
-struct BokehPrefiltered
-{
+logBrightness+=tile.b;}
+return vec4(found,logBrightness/(2.*radius+1.),1.);}
+vec4 BokehBlurWeights(vec4 a,vec4 b,vec4 c,vec4 d,float inverseBrightness,float maxWeight){
+vec4 brightest=vec4(BokehBrightest(a.rgb),BokehBrightest(b.rgb),BokehBrightest(c.rgb),BokehBrightest(d.rgb));
+return min(.01+brightest*inverseBrightness,vec4(maxWeight,maxWeight,maxWeight,maxWeight));}
+struct BokehPrefiltered{
 vec4 nearLayer;
 vec4 farLayer;
 vec4 layerCoCSums;
 vec4 gatherCoC;
 };
-vec4 BokehLayerWeights(vec4 CoC,float slope)
-{
-return clamp(CoC*slope-2.0,vec4(0.0,0.0,0.0,0.0),vec4(1.0,1.0,1.0,1.0));
-}
-vec4 BokehSurroundings(vec4 found,vec4 pixel,float nearWeight,float maxNearWeight)
-{
+vec4 BokehLayerWeights(vec4 CoC,float slope){
+return clamp(CoC*slope-2.,vec4(0.,0.,0.,0.),vec4(1.,1.,1.,1.));}
+vec4 BokehSurroundings(vec4 found,vec4 pixel,float nearWeight,float maxNearWeight){
 vec4 result=vec4(min(found.rgb,pixel.rgb),found.a);
-if(nearWeight < 0.5*maxNearWeight)
-{
-result=vec4(found.rgb,max(found.a,BokehBrightest(pixel.rgb)));
-}
-return result;
-}
-vec4 BokehNearPixel(vec4 pixel,float nearWeight,vec4 around)
-{
+if(nearWeight<.5*maxNearWeight){
+result=vec4(found.rgb,max(found.a,BokehBrightest(pixel.rgb)));}
+return result;}
+vec4 BokehNearPixel(vec4 pixel,float nearWeight,vec4 around){
 vec4 result=vec4(pixel.rgb,nearWeight);
 float brightest=BokehBrightest(pixel.rgb);
 float limit=BokehBrightest(around.rgb);
-if(around.a > brightest)
-{
+if(around.a>brightest){
 result=vec4(min(pixel.rgb,around.rgb),nearWeight);
-if(brightest > limit)
-{
-result=vec4(result.rgb,nearWeight*(around.a-brightest)/(around.a-limit));
-}
-}
-return result;
-}
-BokehPrefiltered BokehPrefilterBlock(BOKEH_TEXTURE MapSamp,vec2 middle,vec4 tile,
-BokehLayerContext layers)
-{
+if(brightest>limit){
+result=vec4(result.rgb,nearWeight*(around.a-brightest)/(around.a-limit));}}
+return result;}
+BokehPrefiltered BokehPrefilterBlock(BOKEH_TEXTURE MapSamp,vec2 middle,vec4 tile,BokehLayerContext layers){
 BokehGrid full=BokehFullGrid(layers);
 float nearSlope=BokehNearSlope(tile.r);
 float farSlope=BokehFarSlope(tile.g);
 float inverseBrightness=exp2(-tile.b);
-float maxWeight=500000.0/max(layers.largest,50.0);
-vec4 a=BokehFetchGrid(MapSamp,middle+vec2(-0.5,-0.5),full);
-vec4 b=BokehFetchGrid(MapSamp,middle+vec2(0.5,-0.5),full);
-vec4 c=BokehFetchGrid(MapSamp,middle+vec2(-0.5,0.5),full);
-vec4 d=BokehFetchGrid(MapSamp,middle+vec2(0.5,0.5),full);
+float maxWeight=500000./max(layers.largest,50.);
+vec4 a=BokehFetchGrid(MapSamp,middle+vec2(-.5,-.5),full);
+vec4 b=BokehFetchGrid(MapSamp,middle+vec2(.5,-.5),full);
+vec4 c=BokehFetchGrid(MapSamp,middle+vec2(-.5,.5),full);
+vec4 d=BokehFetchGrid(MapSamp,middle+vec2(.5,.5),full);
 vec4 s=vec4(a.a,b.a,c.a,d.a)*full.size.y;
 vec4 nearWeights=BokehLayerWeights(-s,nearSlope);
 vec4 farWeights=BokehLayerWeights(s,farSlope);
-vec4 farSum=vec4(a.rgb,1.0)*farWeights.x+vec4(b.rgb,1.0)*farWeights.y+vec4(c.rgb,
-1.0)*farWeights.z+vec4(d.rgb,1.0)*farWeights.w;
+vec4 farSum=vec4(a.rgb,1.)*farWeights.x+vec4(b.rgb,1.)*farWeights.y+vec4(c.rgb,1.)*farWeights.z+vec4(d.rgb,1.)*farWeights.w;
 vec4 weights=farWeights*BokehBlurWeights(a,b,c,d,inverseBrightness,maxWeight);
-vec4 one=vec4(1.0,1.0,1.0,1.0);
-vec4 sums=vec4(0.0,0.0,dot(weights,s)/8.0,dot(weights,one));
-vec4 nearGather = -s*min(4.0-4.0*nearWeights,one);
-vec4 farGather=s*min(4.0-4.0*farWeights,one);
-vec2 gatherCoC=max(max(vec2(nearGather.x,farGather.x),vec2(nearGather.y,farGather.y)),
-max(vec2(nearGather.z,farGather.z),vec2(nearGather.w,farGather.w)));
+vec4 one=vec4(1.,1.,1.,1.);
+vec4 sums=vec4(0.,0.,dot(weights,s)/8.,dot(weights,one));
+vec4 nearGather = -s*min(4.-4.*nearWeights,one);
+vec4 farGather=s*min(4.-4.*farWeights,one);
+vec2 gatherCoC=max(max(vec2(nearGather.x,farGather.x),vec2(nearGather.y,farGather.y)),max(vec2(nearGather.z,farGather.z),vec2(nearGather.w,farGather.w)));
 float maxNearWeight=max(max(nearWeights.x,nearWeights.y),max(nearWeights.z,nearWeights.w));
-vec4 nearSum=vec4(0.0,0.0,0.0,0.0);
-if(maxNearWeight > 0.0)
-{
-vec4 around=vec4(BOKEH_MAX_COLOR,BOKEH_MAX_COLOR,BOKEH_MAX_COLOR,0.0);
+vec4 nearSum=vec4(0.,0.,0.,0.);
+if(maxNearWeight>0.){
+vec4 around=vec4(BOKEH_MAX_COLOR,BOKEH_MAX_COLOR,BOKEH_MAX_COLOR,0.);
 around=BokehSurroundings(around,a,nearWeights.x,maxNearWeight);
 around=BokehSurroundings(around,b,nearWeights.y,maxNearWeight);
 around=BokehSurroundings(around,c,nearWeights.z,maxNearWeight);
 around=BokehSurroundings(around,d,nearWeights.w,maxNearWeight);
-for(int y=0;y < 4;y++)
-{
-for(int x=0;x < 4;x++)
-{
+for(int y=0;y<4;y++){
+for(int x=0;x<4;x++){
 vec2 offset=vec2(float(x)-1.5,float(y)-1.5);
-if((abs(offset.x)-abs(offset.y))*offset.x*offset.y > 0.5)
-{
+if((abs(offset.x)-abs(offset.y))*offset.x*offset.y>.5){
 vec4 pixel=BokehFetchGrid(MapSamp,middle+offset,full);
-around=BokehSurroundings(around,pixel,BokehLayerWeight(-pixel.a *
-full.size.y,nearSlope),maxNearWeight);
-}
-}
-}
+around=BokehSurroundings(around,pixel,BokehLayerWeight(-pixel.a *full.size.y,nearSlope),maxNearWeight);}}}
 a=BokehNearPixel(a,nearWeights.x,around);
 b=BokehNearPixel(b,nearWeights.y,around);
 c=BokehNearPixel(c,nearWeights.z,around);
 d=BokehNearPixel(d,nearWeights.w,around);
-nearSum=vec4(a.rgb,1.0)*a.a+vec4(b.rgb,1.0)*b.a+vec4(c.rgb,1.0)*c.a +
-vec4(d.rgb,1.0)*d.a;
-weights=vec4(a.a,b.a,c.a,d.a)*BokehBlurWeights(a,b,c,d,inverseBrightness,
-maxWeight);
-sums=vec4(-dot(weights,s)/8.0,dot(weights,one),sums.z,sums.w);
-}
+nearSum=vec4(a.rgb,1.)*a.a+vec4(b.rgb,1.)*b.a+vec4(c.rgb,1.)*c.a +vec4(d.rgb,1.)*d.a;
+weights=vec4(a.a,b.a,c.a,d.a)*BokehBlurWeights(a,b,c,d,inverseBrightness,maxWeight);
+sums=vec4(-dot(weights,s)/8.,dot(weights,one),sums.z,sums.w);}
 BokehPrefiltered targets;
-targets.nearLayer=nearSum*0.25;
-targets.farLayer=farSum*0.25;
+targets.nearLayer=nearSum*.25;
+targets.farLayer=farSum*.25;
 float maxValue=BOKEH_MAX_COLOR;
-targets.layerCoCSums=min(sums*0.25,vec4(maxValue,maxValue,maxValue,maxValue));
-targets.gatherCoC=vec4(clamp(gatherCoC,vec2(0.0,0.0),vec2(maxValue,maxValue)),0.0,1.0);
-return targets;
-}
-BokehPrefiltered BokehPrefilter(BOKEH_TEXTURE MapSamp,BOKEH_TEXTURE DilatedTilesSamp,
-BokehLayerContext layers)
-{
+targets.layerCoCSums=min(sums*.25,vec4(maxValue,maxValue,maxValue,maxValue));
+targets.gatherCoC=vec4(clamp(gatherCoC,vec2(0.,0.),vec2(maxValue,maxValue)),0.,1.);
+return targets;}
+BokehPrefiltered BokehPrefilter(BOKEH_TEXTURE MapSamp,BOKEH_TEXTURE DilatedTilesSamp,BokehLayerContext layers){
 BokehGrid grid=BokehLayerGrid(layers);
-vec2 center=(floor(layers.uv*grid.size)+0.5)*float(BOKEH_LAYER_SCALE);
-vec4 tile=BokehFetchGrid(DilatedTilesSamp,center/8.0,BokehReducedGrid(layers,8.0));
+vec2 center=(floor(layers.uv*grid.size)+.5)*float(BOKEH_LAYER_SCALE);
+vec4 tile=BokehFetchGrid(DilatedTilesSamp,center/8.,BokehReducedGrid(layers,8.));
 BokehPrefiltered targets;
-targets.nearLayer=vec4(0.0,0.0,0.0,0.0);
-targets.farLayer=vec4(0.0,0.0,0.0,0.0);
-targets.layerCoCSums=vec4(0.0,0.0,0.0,0.0);
-targets.gatherCoC=vec4(0.0,0.0,0.0,1.0);
-float share=4.0/float(BOKEH_LAYER_SCALE*BOKEH_LAYER_SCALE);
-for(int y=0;y < BOKEH_LAYER_SCALE/2;y++)
-{
-for(int x=0;x < BOKEH_LAYER_SCALE/2;x++)
-{
-vec2 middle=center+2.0*vec2(float(x),float(y))+(1.0-0.5 *
-float(BOKEH_LAYER_SCALE));
+targets.nearLayer=vec4(0.,0.,0.,0.);
+targets.farLayer=vec4(0.,0.,0.,0.);
+targets.layerCoCSums=vec4(0.,0.,0.,0.);
+targets.gatherCoC=vec4(0.,0.,0.,1.);
+float share=4./float(BOKEH_LAYER_SCALE*BOKEH_LAYER_SCALE);
+for(int y=0;y<BOKEH_LAYER_SCALE/2;y++){
+for(int x=0;x<BOKEH_LAYER_SCALE/2;x++){
+vec2 middle=center+2.*vec2(float(x),float(y))+(1.-.5 *float(BOKEH_LAYER_SCALE));
 BokehPrefiltered block=BokehPrefilterBlock(MapSamp,middle,tile,layers);
 targets.nearLayer+=block.nearLayer*share;
 targets.farLayer+=block.farLayer*share;
 targets.layerCoCSums+=block.layerCoCSums*share;
-targets.gatherCoC=max(targets.gatherCoC,block.gatherCoC);
-}
-}
-return targets;
-}
-struct BokehTileSums
-{
+targets.gatherCoC=max(targets.gatherCoC,block.gatherCoC);}}
+return targets;}
+struct BokehTileSums{
 vec4 gatherCoC;
 vec4 sums;
 };
-BokehTileSums BokehLayerCoCReduce(BOKEH_TEXTURE SumsSamp,BOKEH_TEXTURE GatherCoCSamp,
-BokehLayerContext layers)
-{
+BokehTileSums BokehLayerCoCReduce(BOKEH_TEXTURE SumsSamp,BOKEH_TEXTURE GatherCoCSamp,BokehLayerContext layers){
 BokehGrid grid=BokehLayerGrid(layers);
 int texels=8/BOKEH_LAYER_SCALE;
-vec2 first=floor(layers.uv*ceil(layers.size/8.0))*float(texels)+vec2(0.5,0.5);
-vec4 sums=vec4(0.0,0.0,0.0,0.0);
-vec2 gatherCoC=vec2(0.0,0.0);
-for(int y=0;y < texels;y++)
-{
-for(int x=0;x < texels;x++)
-{
+vec2 first=floor(layers.uv*ceil(layers.size/8.))*float(texels)+vec2(.5,.5);
+vec4 sums=vec4(0.,0.,0.,0.);
+vec2 gatherCoC=vec2(0.,0.);
+for(int y=0;y<texels;y++){
+for(int x=0;x<texels;x++){
 vec2 place=first+vec2(float(x),float(y));
 sums+=BokehFetchGrid(SumsSamp,place,grid);
-gatherCoC=max(gatherCoC,BokehFetchGrid(GatherCoCSamp,place,grid).rg);
-}
-}
+gatherCoC=max(gatherCoC,BokehFetchGrid(GatherCoCSamp,place,grid).rg);}}
 BokehTileSums targets;
-targets.gatherCoC=vec4(gatherCoC,0.0,1.0);
+targets.gatherCoC=vec4(gatherCoC,0.,1.);
 targets.sums=sums/float(texels*texels);
-return targets;
-}
-BokehTileSums BokehLayerCoCAlong(BOKEH_TEXTURE GatherCoCSamp,BOKEH_TEXTURE SumsSamp,
-BOKEH_TEXTURE DilatedTilesSamp,vec2 axis,BokehLayerContext layers)
-{
-BokehGrid grid=BokehReducedGrid(layers,8.0);
+return targets;}
+BokehTileSums BokehLayerCoCAlong(BOKEH_TEXTURE GatherCoCSamp,BOKEH_TEXTURE SumsSamp,BOKEH_TEXTURE DilatedTilesSamp,vec2 axis,BokehLayerContext layers){
+BokehGrid grid=BokehReducedGrid(layers,8.);
 vec2 tile=BokehFetchGrid(DilatedTilesSamp,layers.uv*grid.size,grid).rg;
-vec2 sigma=max(tile*BOKEH_TUNED_COC_SIGMA,vec2(0.6,0.6));
+vec2 sigma=max(tile*BOKEH_TUNED_COC_SIGMA,vec2(.6,.6));
 float radius=BokehReachTiles(layers);
-vec4 sums=vec4(0.0,0.0,0.0,0.0);
-vec2 gatherCoC=vec2(0.0,0.0);
-vec2 total=vec2(0.0,0.0);
-for(int i=0;i < 255;i++)
-{
+vec4 sums=vec4(0.,0.,0.,0.);
+vec2 gatherCoC=vec2(0.,0.);
+vec2 total=vec2(0.,0.);
+for(int i=0;i<255;i++){
 float tiles=float(i)-radius;
-if(tiles > radius)
-{
-break;
-}
+if(tiles>radius){
+break;}
 vec2 place=layers.uv*grid.size+axis*tiles;
-vec2 weight=exp(-0.5*tiles*tiles/(sigma*sigma));
-sums+=BokehFetchGrid(SumsSamp,place,grid)*vec4(weight.x,weight.x,weight.y,
-weight.y);
-gatherCoC=max(gatherCoC,BokehReaching(BokehFetchGrid(GatherCoCSamp,place,grid).rg,
-abs(tiles)));
-total+=weight;
-}
+vec2 weight=exp(-.5*tiles*tiles/(sigma*sigma));
+sums+=BokehFetchGrid(SumsSamp,place,grid)*vec4(weight.x,weight.x,weight.y,weight.y);
+gatherCoC=max(gatherCoC,BokehReaching(BokehFetchGrid(GatherCoCSamp,place,grid).rg,abs(tiles)));
+total+=weight;}
 BokehTileSums targets;
-targets.gatherCoC=vec4(gatherCoC,0.0,1.0);
+targets.gatherCoC=vec4(gatherCoC,0.,1.);
 targets.sums=sums/vec4(total.x,total.x,total.y,total.y);
-return targets;
-}
-BokehTileSums BokehLayerCoCRows(BOKEH_TEXTURE GatherCoCSamp,BOKEH_TEXTURE SumsSamp,
-BOKEH_TEXTURE DilatedTilesSamp,BokehLayerContext layers)
-{
-return BokehLayerCoCAlong(GatherCoCSamp,SumsSamp,DilatedTilesSamp,vec2(1.0,0.0),layers);
-}
-struct BokehLayerCoCTargets
-{
+return targets;}
+BokehTileSums BokehLayerCoCRows(BOKEH_TEXTURE GatherCoCSamp,BOKEH_TEXTURE SumsSamp,BOKEH_TEXTURE DilatedTilesSamp,BokehLayerContext layers){
+return BokehLayerCoCAlong(GatherCoCSamp,SumsSamp,DilatedTilesSamp,vec2(1.,0.),layers);}
+struct BokehLayerCoCTargets{
 vec4 gatherTiles;
 vec4 layerCoC;
 };
-BokehLayerCoCTargets BokehLayerCoCColumns(BOKEH_TEXTURE GatherCoCSamp,BOKEH_TEXTURE SumsSamp,
-BOKEH_TEXTURE DilatedTilesSamp,BokehLayerContext layers)
-{
-BokehGrid grid=BokehReducedGrid(layers,8.0);
+BokehLayerCoCTargets BokehLayerCoCColumns(BOKEH_TEXTURE GatherCoCSamp,BOKEH_TEXTURE SumsSamp,BOKEH_TEXTURE DilatedTilesSamp,BokehLayerContext layers){
+BokehGrid grid=BokehReducedGrid(layers,8.);
 vec2 tile=BokehFetchGrid(DilatedTilesSamp,layers.uv*grid.size,grid).rg;
-BokehTileSums tileSums=BokehLayerCoCAlong(GatherCoCSamp,SumsSamp,DilatedTilesSamp,vec2(0.0,
-1.0),layers);
+BokehTileSums tileSums=BokehLayerCoCAlong(GatherCoCSamp,SumsSamp,DilatedTilesSamp,vec2(0.,1.),layers);
 vec4 sums=tileSums.sums;
-vec2 layerCoC=vec2(0.0,0.0);
-if(sums.g > 0.0001&&tile.r > BOKEH_TUNED_NEAR_START)
-{
-layerCoC=vec2(8.0*sums.r/sums.g,0.0);
-}
-if(sums.a > 0.0001&&tile.g > BOKEH_TUNED_FAR_START)
-{
-layerCoC=vec2(layerCoC.x,8.0*sums.b/sums.a);
-}
+vec2 layerCoC=vec2(0.,0.);
+if(sums.g>.0001&&tile.r>BOKEH_TUNED_NEAR_START){
+layerCoC=vec2(8.*sums.r/sums.g,0.);}
+if(sums.a>.0001&&tile.g>BOKEH_TUNED_FAR_START){
+layerCoC=vec2(layerCoC.x,8.*sums.b/sums.a);}
 BokehLayerCoCTargets targets;
 targets.gatherTiles=vec4(tile,tileSums.gatherCoC.rg);
-targets.layerCoC=vec4(layerCoC,0.0,1.0);
-return targets;
-}
-vec2 BokehLayerCoC(BOKEH_TEXTURE LayerCoCSamp,BokehLayerContext layers)
-{
+targets.layerCoC=vec4(layerCoC,0.,1.);
+return targets;}
+vec2 BokehLayerCoC(BOKEH_TEXTURE LayerCoCSamp,BokehLayerContext layers){
 BokehGrid grid=BokehLayerGrid(layers);
-vec2 place=layers.uv*grid.size*(float(BOKEH_LAYER_SCALE)/8.0);
-return BokehFetchGrid(LayerCoCSamp,place,BokehReducedGrid(layers,8.0)).rg;
-}
-struct BokehBlur
-{
+vec2 place=layers.uv*grid.size*(float(BOKEH_LAYER_SCALE)/8.);
+return BokehFetchGrid(LayerCoCSamp,place,BokehReducedGrid(layers,8.)).rg;}
+struct BokehBlur{
 float CoC;
 float spacing;
 bool useQuarterLayer;
 float sideTap;
 };
-BokehBlur BokehLayerBlur(vec2 layerCoC,bool isFar,BokehPolygon polygon)
-{
+BokehBlur BokehLayerBlur(vec2 layerCoC,bool isFar,BokehPolygon polygon){
 float CoC=layerCoC.r/float(BOKEH_LAYER_SCALE);
 float minSpacing=BOKEH_TUNED_NEAR_QUARTER;
 float selfBlur=BOKEH_TUNED_NEAR_SELF_BLUR;
-if(isFar)
-{
+if(isFar){
 CoC=layerCoC.g/float(BOKEH_LAYER_SCALE);
 minSpacing=BOKEH_TUNED_FAR_QUARTER;
-selfBlur=clamp(BOKEH_TUNED_FAR_SELF_BLUR*CoC*CoC,BOKEH_TUNED_FAR_SELF_BLUR_MIN,
-BOKEH_TUNED_FAR_SELF_BLUR_MAX);
-}
-float spacing=0.5*CoC/float(BOKEH_LAYER_SAMPLES);
+selfBlur=clamp(BOKEH_TUNED_FAR_SELF_BLUR*CoC*CoC,BOKEH_TUNED_FAR_SELF_BLUR_MIN,BOKEH_TUNED_FAR_SELF_BLUR_MAX);}
+float spacing=.5*CoC/float(BOKEH_LAYER_SAMPLES);
 float hard=BOKEH_TUNED_HEXAGON_SIDE;
-if(polygon.sides < 6)
-{
-spacing=0.354*CoC/float(BOKEH_LAYER_SAMPLES);
-hard=BOKEH_TUNED_SQUARE_SIDE;
-}
+if(polygon.sides<6){
+spacing=.354*CoC/float(BOKEH_LAYER_SAMPLES);
+hard=BOKEH_TUNED_SQUARE_SIDE;}
 BokehBlur blur;
-blur.useQuarterLayer=spacing > minSpacing;
-blur.sideTap=0.0;
-if(blur.useQuarterLayer)
-{
-blur.sideTap=clamp(0.25*spacing-hard,0.0,0.6);
-selfBlur+=14.0+154.0*blur.sideTap/(1.0+2.0*blur.sideTap);
-}
-blur.CoC=sqrt(max(CoC*CoC-selfBlur,0.25));
-blur.spacing=max(spacing,1.0);
-return blur;
-}
-vec4 BokehQuarterLayer(BOKEH_TEXTURE LayerSamp,vec2 center,float side,BokehLayerContext layers)
-{
+blur.useQuarterLayer=spacing>minSpacing;
+blur.sideTap=0.;
+if(blur.useQuarterLayer){
+blur.sideTap=clamp(.25*spacing-hard,0.,.6);
+selfBlur+=14.+154.*blur.sideTap/(1.+2.*blur.sideTap);}
+blur.CoC=sqrt(max(CoC*CoC-selfBlur,.25));
+blur.spacing=max(spacing,1.);
+return blur;}
+vec4 BokehQuarterLayer(BOKEH_TEXTURE LayerSamp,vec2 center,float side,BokehLayerContext layers){
 BokehGrid grid=BokehLayerGrid(layers);
-vec4 sum=vec4(0.0,0.0,0.0,0.0);
-if(side > 0.0)
-{
-for(int y=0;y < 3;y++)
-{
-for(int x=0;x < 3;x++)
-{
-vec2 offset=vec2(float(x)-1.0,float(y)-1.0);
-vec2 weight=1.0-(1.0-side)*abs(offset);
-sum+=BokehFetchGrid(LayerSamp,center+2.0*offset,grid)*(weight.x *
-weight.y);
-}
-}
-sum=sum/((1.0+2.0*side)*(1.0+2.0*side));
-}
-else
-{
-sum=BokehFetchGrid(LayerSamp,center,grid);
-}
-return sum;
-}
-struct BokehDownsampled
-{
+vec4 sum=vec4(0.,0.,0.,0.);
+if(side>0.){
+for(int y=0;y<3;y++){
+for(int x=0;x<3;x++){
+vec2 offset=vec2(float(x)-1.,float(y)-1.);
+vec2 weight=1.-(1.-side)*abs(offset);
+sum+=BokehFetchGrid(LayerSamp,center+2.*offset,grid)*(weight.x *weight.y);}}
+sum=sum/((1.+2.*side)*(1.+2.*side));}
+else{
+sum=BokehFetchGrid(LayerSamp,center,grid);}
+return sum;}
+struct BokehDownsampled{
 vec4 midWithHoles;
 vec4 farWithHoles;
 vec4 nearQuarter;
 vec4 farQuarter;
 };
-BokehDownsampled BokehDownsample(BOKEH_TEXTURE MapSamp,BOKEH_TEXTURE DilatedTilesSamp,
-BOKEH_TEXTURE NearSamp,BOKEH_TEXTURE FarSamp,BOKEH_TEXTURE LayerCoCSamp,BokehPolygon polygon,
-BokehLayerContext layers)
-{
+BokehDownsampled BokehDownsample(BOKEH_TEXTURE MapSamp,BOKEH_TEXTURE DilatedTilesSamp,BOKEH_TEXTURE NearSamp,BOKEH_TEXTURE FarSamp,BOKEH_TEXTURE LayerCoCSamp,BokehPolygon polygon,BokehLayerContext layers){
 BokehGrid full=BokehFullGrid(layers);
-vec2 first=floor(layers.uv*ceil(layers.size/4.0))*4.0+vec2(0.5,0.5);
+vec2 first=floor(layers.uv*ceil(layers.size/4.))*4.+vec2(.5,.5);
 vec2 middlePlace=first+vec2(1.5,1.5);
-vec4 tile=BokehFetchGrid(DilatedTilesSamp,middlePlace/8.0,BokehReducedGrid(layers,8.0));
+vec4 tile=BokehFetchGrid(DilatedTilesSamp,middlePlace/8.,BokehReducedGrid(layers,8.));
 float nearSlope=BokehNearSlope(tile.r);
 float farSlope=BokehFarSlope(tile.g);
 float inverseBrightness=exp2(-tile.b);
-vec4 mid=vec4(0.0,0.0,0.0,0.0);
-vec4 far=vec4(0.0,0.0,0.0,0.0);
-for(int y=0;y < 4;y++)
-{
-for(int x=0;x < 4;x++)
-{
+vec4 mid=vec4(0.,0.,0.,0.);
+vec4 far=vec4(0.,0.,0.,0.);
+for(int y=0;y<4;y++){
+for(int x=0;x<4;x++){
 vec2 place=first+vec2(float(x),float(y));
 vec4 pixel=BokehFetchGrid(MapSamp,place,full);
 float s=pixel.a*full.size.y;
 float nearWeight=BokehLayerWeight(-s,nearSlope);
-float notNear=max(1.0-2.0*nearWeight,0.0625-0.0625*nearWeight);
+float notNear=max(1.-2.*nearWeight,.0625-.0625*nearWeight);
 float farWeight=BokehLayerWeight(s,farSlope);
-float weight=notNear/(1.0+BokehBrightest(pixel.rgb)*inverseBrightness);
-mid+=vec4(pixel.rgb,1.0)*(weight*(1.0-farWeight));
-far+=vec4(pixel.rgb,1.0)*(weight*farWeight);
-}
-}
+float weight=notNear/(1.+BokehBrightest(pixel.rgb)*inverseBrightness);
+mid+=vec4(pixel.rgb,1.)*(weight*(1.-farWeight));
+far+=vec4(pixel.rgb,1.)*(weight*farWeight);}}
 vec2 center=middlePlace/float(BOKEH_LAYER_SCALE);
 vec2 layerCoC=BokehLayerCoC(LayerCoCSamp,layers);
 BokehDownsampled targets;
-targets.midWithHoles=mid/16.0;
-targets.farWithHoles=far/16.0;
+targets.midWithHoles=mid/16.;
+targets.farWithHoles=far/16.;
 BokehBlur nearBlur=BokehLayerBlur(layerCoC,false,polygon);
 BokehBlur farBlur=BokehLayerBlur(layerCoC,true,polygon);
 targets.nearQuarter=BokehQuarterLayer(NearSamp,center,nearBlur.sideTap,layers);
 targets.farQuarter=BokehQuarterLayer(FarSamp,center,farBlur.sideTap,layers);
-return targets;
-}
-vec2 BokehEdgeDirection(int k,BokehPolygon polygon)
-{
+return targets;}
+vec2 BokehEdgeDirection(int k,BokehPolygon polygon){
 vec2 outwards=BokehTurn(float(k),polygon);
-return BokehRotated(vec2(-outwards.y,outwards.x),polygon.axis);
-}
-int BokehSamplesPerEdge(int ring,BokehPolygon polygon)
-{
-return int(max(6.0*float(ring)/float(polygon.sides)+0.5,1.0));
-}
-vec2 BokehHoleWeights(vec4 middle,vec4 far,float inverseBrightness)
-{
-return vec2(middle.a+BokehBrightest(middle.rgb)*inverseBrightness,far.a +
-BokehBrightest(far.rgb)*inverseBrightness);
-}
-struct BokehFilled
-{
+return BokehRotated(vec2(-outwards.y,outwards.x),polygon.axis);}
+int BokehSamplesPerEdge(int ring,BokehPolygon polygon){
+return int(max(6.*float(ring)/float(polygon.sides)+.5,1.));}
+vec2 BokehHoleWeights(vec4 middle,vec4 far,float inverseBrightness){
+return vec2(middle.a+BokehBrightest(middle.rgb)*inverseBrightness,far.a +BokehBrightest(far.rgb)*inverseBrightness);}
+struct BokehFilled{
 vec4 midFill;
 vec4 farFill;
 };
-BokehFilled BokehHoleFill(BOKEH_TEXTURE MidSamp,BOKEH_TEXTURE FarSamp,
-BOKEH_TEXTURE DilatedTilesSamp,BokehPolygon polygon,BokehLayerContext layers)
-{
-BokehGrid grid=BokehReducedGrid(layers,4.0);
+BokehFilled BokehHoleFill(BOKEH_TEXTURE MidSamp,BOKEH_TEXTURE FarSamp,BOKEH_TEXTURE DilatedTilesSamp,BokehPolygon polygon,BokehLayerContext layers){
+BokehGrid grid=BokehReducedGrid(layers,4.);
 vec2 center=layers.uv*grid.size;
-vec4 tile=BokehFetchGrid(DilatedTilesSamp,center/2.0,BokehReducedGrid(layers,8.0));
+vec4 tile=BokehFetchGrid(DilatedTilesSamp,center/2.,BokehReducedGrid(layers,8.));
 float nearCoC=tile.r;
 float inverseBrightness=exp2(-tile.b);
 vec2 corner=BokehRotated(polygon.corner,polygon.axis);
 vec2 direction=BokehEdgeDirection(1,polygon);
-vec2 turn=BokehTurn(1.0,polygon);
+vec2 turn=BokehTurn(1.,polygon);
 vec4 mid=BokehFetchGrid(MidSamp,center,grid);
 vec4 far=BokehFetchGrid(FarSamp,center,grid);
 vec2 weights=BokehHoleWeights(mid,far,inverseBrightness);
-for(int ring=0;ring < 3;ring++)
-{
-if(nearCoC < BOKEH_TUNED_NEAR_START)
-{
-break;
-}
-float diameter=max(nearCoC/8.0,2.0)*exp2(1.5*float(ring)-2.0);
-float weight=1.0/(1.0+4.0*diameter*diameter*diameter);
+for(int ring=0;ring<3;ring++){
+if(nearCoC<BOKEH_TUNED_NEAR_START){
+break;}
+float diameter=max(nearCoC/8.,2.)*exp2(1.5*float(ring)-2.);
+float weight=1./(1.+4.*diameter*diameter*diameter);
 vec2 scale=vec2(polygon.squeeze*diameter,diameter);
 int onEdge=BokehSamplesPerEdge(1,polygon);
-for(int edge=1;edge <= polygon.sides;edge++)
-{
+for(int edge=1;edge<=polygon.sides;edge++){
 vec2 along=direction*(BokehEdgeLength(edge,polygon)/float(onEdge));
-for(int i=0;i < onEdge;i++)
-{
+for(int i=0;i<onEdge;i++){
 vec2 place=center+corner*scale;
 vec4 midTexel=BokehFetchGrid(MidSamp,place,grid);
 vec4 farTexel=BokehFetchGrid(FarSamp,place,grid);
 mid+=midTexel*weight;
 far+=farTexel*weight;
 weights+=BokehHoleWeights(midTexel,farTexel,inverseBrightness)*weight;
-corner+=along;
-}
-direction=BokehRotated(direction,turn);
-}
-}
-vec3 both=(mid.rgb+far.rgb)/max(mid.a+far.a,0.000001);
-float midWeight=weights.r/max(weights.r+weights.g,0.000001);
+corner+=along;}
+direction=BokehRotated(direction,turn);}}
+vec3 both=(mid.rgb+far.rgb)/max(mid.a+far.a,.000001);
+float midWeight=weights.r/max(weights.r+weights.g,.000001);
 BokehFilled targets;
 targets.midFill=vec4(both,midWeight);
-targets.farFill=vec4(both,1.0);
-if(mid.a > 0.000001)
-{
-targets.midFill=vec4(mid.rgb/mid.a,midWeight);
-}
-if(far.a > 0.000001)
-{
-targets.farFill=vec4(far.rgb/far.a,1.0);
-}
-return targets;
-}
-vec4 BokehLayerLine(BOKEH_TEXTURE tex,BOKEH_TEXTURE QuarterSamp,int k,BokehPolygon polygon,
-bool secondPass,BokehBlur blur,BokehLayerContext layers)
-{
+targets.farFill=vec4(both,1.);
+if(mid.a>.000001){
+targets.midFill=vec4(mid.rgb/mid.a,midWeight);}
+if(far.a>.000001){
+targets.farFill=vec4(far.rgb/far.a,1.);}
+return targets;}
+vec4 BokehLayerLine(BOKEH_TEXTURE tex,BOKEH_TEXTURE QuarterSamp,int k,BokehPolygon polygon,bool secondPass,BokehBlur blur,BokehLayerContext layers){
 float scale=float(BOKEH_LAYER_SCALE);
-if(blur.useQuarterLayer)
-{
-scale=4.0;
-}
+if(blur.useQuarterLayer){
+scale=4.;}
 BokehGrid grid=BokehReducedGrid(layers,scale);
 vec4 segment=BokehEdgeLine(k,polygon,secondPass)*blur.CoC;
-float samples=max(2.0*length(segment.zw)/blur.spacing,2.0);
-float phase=0.5+layers.jitter*min(blur.spacing-1.0,1.0);
+float samples=max(2.*length(segment.zw)/blur.spacing,2.);
+float phase=.5+layers.jitter*min(blur.spacing-1.,1.);
 BokehGrid layerGrid=BokehLayerGrid(layers);
-vec2 first=(layers.uv*layerGrid.size+segment.xy-segment.zw) *
-(float(BOKEH_LAYER_SCALE)/scale);
-vec2 sampleStep=segment.zw*(2.0*float(BOKEH_LAYER_SCALE)/(scale*samples));
-vec4 sum=vec4(0.0,0.0,0.0,0.0);
-for(int i=0;i < int(ceil(samples));i++)
-{
-float part=clamp(samples-float(i),0.0,1.0);
+vec2 first=(layers.uv*layerGrid.size+segment.xy-segment.zw) *(float(BOKEH_LAYER_SCALE)/scale);
+vec2 sampleStep=segment.zw*(2.*float(BOKEH_LAYER_SCALE)/(scale*samples));
+vec4 sum=vec4(0.,0.,0.,0.);
+for(int i=0;i<int(ceil(samples));i++){
+float part=clamp(samples-float(i),0.,1.);
 vec2 place=first+sampleStep*(float(i)+part*phase);
-vec4 texel=vec4(0.0,0.0,0.0,0.0);
-if(blur.useQuarterLayer)
-{
-texel=BokehFetchGrid(QuarterSamp,place,grid);
-}
-else
-{
-texel=BokehFetchGrid(tex,place,grid);
-}
-sum+=part*texel;
-}
+vec4 texel=vec4(0.,0.,0.,0.);
+if(blur.useQuarterLayer){
+texel=BokehFetchGrid(QuarterSamp,place,grid);}
+else{
+texel=BokehFetchGrid(tex,place,grid);}
+sum+=part*texel;}
 sum=sum/samples;
-if(secondPass)
-{
-sum*=BokehEdgeArea(k,polygon);
-}
-return sum;
-}
-vec4 BokehLayerTarget(int k,BokehPolygon polygon,vec4 L1,vec4 L2,vec4 L3,vec4 L4)
-{
+if(secondPass){
+sum*=BokehEdgeArea(k,polygon);}
+return sum;}
+vec4 BokehLayerTarget(int k,BokehPolygon polygon,vec4 L1,vec4 L2,vec4 L3,vec4 L4){
 vec4 w=BokehEdgeWeights(k,polygon);
-return (L1*w.x+L2*w.y+L3*w.z+L4*w.w)/(w.x+w.y+w.z+w.w);
-}
-BokehTargets BokehLayerFirst(BOKEH_TEXTURE LayerSamp,BOKEH_TEXTURE QuarterSamp,vec2 layerCoC,
-bool isFar,int last,BokehPolygon polygon,BokehLayerContext layers)
-{
+return (L1*w.x+L2*w.y+L3*w.z+L4*w.w)/(w.x+w.y+w.z+w.w);}
+BokehTargets BokehLayerFirst(BOKEH_TEXTURE LayerSamp,BOKEH_TEXTURE QuarterSamp,vec2 layerCoC,bool isFar,int last,BokehPolygon polygon,BokehLayerContext layers){
 BokehGrid grid=BokehLayerGrid(layers);
 vec2 center=layers.uv*grid.size;
-vec4 zero=vec4(0.0,0.0,0.0,0.0);
+vec4 zero=vec4(0.,0.,0.,0.);
 BokehTargets targets;
 BokehBlur blur=BokehLayerBlur(layerCoC,isFar,polygon);
-if(blur.CoC > 0.51)
-{
+if(blur.CoC>.51){
 vec4 L2=zero;
 vec4 L3=zero;
 vec4 L4=zero;
 vec4 L1=BokehLayerLine(LayerSamp,QuarterSamp,1,polygon,false,blur,layers);
-if(last > 2)
-{
-L2=BokehLayerLine(LayerSamp,QuarterSamp,2,polygon,false,blur,layers);
-}
-if(last > 3)
-{
-L3=BokehLayerLine(LayerSamp,QuarterSamp,3,polygon,false,blur,layers);
-}
-if(last > 4)
-{
-L4=BokehLayerLine(LayerSamp,QuarterSamp,4,polygon,false,blur,layers);
-}
+if(last>2){
+L2=BokehLayerLine(LayerSamp,QuarterSamp,2,polygon,false,blur,layers);}
+if(last>3){
+L3=BokehLayerLine(LayerSamp,QuarterSamp,3,polygon,false,blur,layers);}
+if(last>4){
+L4=BokehLayerLine(LayerSamp,QuarterSamp,4,polygon,false,blur,layers);}
 targets.strip2=L1;
 targets.strip3=BokehLayerTarget(3,polygon,L1,L2,zero,zero);
 targets.strip4=BokehLayerTarget(4,polygon,L1,L2,L3,zero);
-targets.strip5=BokehLayerTarget(5,polygon,L1,L2,L3,L4);
-}
-else
-{
+targets.strip5=BokehLayerTarget(5,polygon,L1,L2,L3,L4);}
+else{
 targets.strip2=BokehFetchGrid(LayerSamp,center,grid);
 targets.strip3=targets.strip2;
 targets.strip4=targets.strip2;
-targets.strip5=targets.strip2;
-}
-return targets;
-}
-vec4 BokehLayerSecond(BOKEH_TEXTURE Strip2Samp,BOKEH_TEXTURE Strip3Samp,BOKEH_TEXTURE Strip4Samp,
-BOKEH_TEXTURE Strip5Samp,vec2 layerCoC,bool isFar,BokehPolygon polygon,
-BokehLayerContext layers)
-{
+targets.strip5=targets.strip2;}
+return targets;}
+vec4 BokehLayerSecond(BOKEH_TEXTURE Strip2Samp,BOKEH_TEXTURE Strip3Samp,BOKEH_TEXTURE Strip4Samp,BOKEH_TEXTURE Strip5Samp,vec2 layerCoC,bool isFar,BokehPolygon polygon,BokehLayerContext layers){
 BokehGrid grid=BokehLayerGrid(layers);
 vec2 center=layers.uv*grid.size;
-vec4 result=vec4(0.0,0.0,0.0,0.0);
+vec4 result=vec4(0.,0.,0.,0.);
 BokehBlur blur=BokehLayerBlur(layerCoC,isFar,polygon);
 blur.useQuarterLayer=false;
-if(blur.CoC > 0.51)
-{
+if(blur.CoC>.51){
 result=BokehLayerLine(Strip2Samp,Strip2Samp,2,polygon,true,blur,layers);
-if(polygon.sides > 4)
-{
-result+=BokehLayerLine(Strip3Samp,Strip3Samp,3,polygon,true,blur,layers);
-}
-if(polygon.sides > 6)
-{
-result+=BokehLayerLine(Strip4Samp,Strip4Samp,4,polygon,true,blur,layers);
-}
-if(polygon.sides > 8)
-{
-result+=BokehLayerLine(Strip5Samp,Strip5Samp,5,polygon,true,blur,layers);
-}
-result=result/polygon.area;
-}
-else
-{
-result=BokehFetchGrid(Strip2Samp,center,grid);
-}
-return result;
-}
-struct BokehLayersTargets
-{
+if(polygon.sides>4){
+result+=BokehLayerLine(Strip3Samp,Strip3Samp,3,polygon,true,blur,layers);}
+if(polygon.sides>6){
+result+=BokehLayerLine(Strip4Samp,Strip4Samp,4,polygon,true,blur,layers);}
+if(polygon.sides>8){
+result+=BokehLayerLine(Strip5Samp,Strip5Samp,5,polygon,true,blur,layers);}
+result=result/polygon.area;}
+else{
+result=BokehFetchGrid(Strip2Samp,center,grid);}
+return result;}
+struct BokehLayersTargets{
 vec4 nearStrip2;
 vec4 farStrip2;
 vec4 nearStrip3;
 vec4 farStrip3;
 };
-BokehLayersTargets BokehLayersFirst(BOKEH_TEXTURE NearSamp,BOKEH_TEXTURE NearQuarterSamp,
-BOKEH_TEXTURE FarSamp,BOKEH_TEXTURE FarQuarterSamp,vec2 layerCoC,BokehPolygon polygon,
-BokehLayerContext layers)
-{
+BokehLayersTargets BokehLayersFirst(BOKEH_TEXTURE NearSamp,BOKEH_TEXTURE NearQuarterSamp,BOKEH_TEXTURE FarSamp,BOKEH_TEXTURE FarQuarterSamp,vec2 layerCoC,BokehPolygon polygon,BokehLayerContext layers){
 int last=polygon.sides/2;
-BokehTargets near=BokehLayerFirst(NearSamp,NearQuarterSamp,layerCoC,false,last,polygon,
-layers);
-BokehTargets far=BokehLayerFirst(FarSamp,FarQuarterSamp,layerCoC,true,last,polygon,
-layers);
+BokehTargets near=BokehLayerFirst(NearSamp,NearQuarterSamp,layerCoC,false,last,polygon,layers);
+BokehTargets far=BokehLayerFirst(FarSamp,FarQuarterSamp,layerCoC,true,last,polygon,layers);
 BokehLayersTargets targets;
 targets.nearStrip2=near.strip2;
 targets.farStrip2=far.strip2;
 targets.nearStrip3=near.strip3;
 targets.farStrip3=far.strip3;
-return targets;
-}
-struct BokehBlurred
-{
+return targets;}
+struct BokehBlurred{
 vec4 near;
 vec4 far;
 };
-BokehBlurred BokehLayersSecond(BOKEH_TEXTURE NearStrip2Samp,BOKEH_TEXTURE FarStrip2Samp,
-BOKEH_TEXTURE NearStrip3Samp,BOKEH_TEXTURE FarStrip3Samp,vec2 layerCoC,BokehPolygon polygon,
-BokehLayerContext layers)
-{
+BokehBlurred BokehLayersSecond(BOKEH_TEXTURE NearStrip2Samp,BOKEH_TEXTURE FarStrip2Samp,BOKEH_TEXTURE NearStrip3Samp,BOKEH_TEXTURE FarStrip3Samp,vec2 layerCoC,BokehPolygon polygon,BokehLayerContext layers){
 BokehBlurred targets;
-targets.near=BokehLayerSecond(NearStrip2Samp,NearStrip3Samp,NearStrip3Samp,NearStrip3Samp,
-layerCoC,false,polygon,layers);
-targets.far=BokehLayerSecond(FarStrip2Samp,FarStrip3Samp,FarStrip3Samp,FarStrip3Samp,
-layerCoC,true,polygon,layers);
-return targets;
-}
-vec4 BokehFetchLayer(BOKEH_TEXTURE LayerSamp,vec2 place,BokehGrid grid)
-{
-vec4 result=vec4(0.0,0.0,0.0,0.0);
-if(BOKEH_LAYER_CUBIC > 0)
-{
-vec2 texel=floor(place-0.5)+0.5;
+targets.near=BokehLayerSecond(NearStrip2Samp,NearStrip3Samp,NearStrip3Samp,NearStrip3Samp,layerCoC,false,polygon,layers);
+targets.far=BokehLayerSecond(FarStrip2Samp,FarStrip3Samp,FarStrip3Samp,FarStrip3Samp,layerCoC,true,polygon,layers);
+return targets;}
+vec4 BokehFetchLayer(BOKEH_TEXTURE LayerSamp,vec2 place,BokehGrid grid){
+vec4 result=vec4(0.,0.,0.,0.);
+if(BOKEH_LAYER_CUBIC>0){
+vec2 texel=floor(place-.5)+.5;
 vec2 f=place-texel;
-vec2 w0=f*(f*(1.0-0.5*f)-0.5);
-vec2 w2=f*(f*(2.0-1.5*f)+0.5);
-vec2 w3=f*f*(0.5*f-0.5);
-vec2 w12=1.0-w0-w3;
+vec2 w0=f*(f*(1.-.5*f)-.5);
+vec2 w2=f*(f*(2.-1.5*f)+.5);
+vec2 w3=f*f*(.5*f-.5);
+vec2 w12=1.-w0-w3;
 vec2 inner=texel+w2/w12;
 vec4 c=BokehFetchGrid(LayerSamp,inner,grid);
-vec4 l=BokehFetchGrid(LayerSamp,vec2(texel.x-1.0,inner.y),grid);
-vec4 r=BokehFetchGrid(LayerSamp,vec2(texel.x+2.0,inner.y),grid);
-vec4 t=BokehFetchGrid(LayerSamp,vec2(inner.x,texel.y-1.0),grid);
-vec4 b=BokehFetchGrid(LayerSamp,vec2(inner.x,texel.y+2.0),grid);
+vec4 l=BokehFetchGrid(LayerSamp,vec2(texel.x-1.,inner.y),grid);
+vec4 r=BokehFetchGrid(LayerSamp,vec2(texel.x+2.,inner.y),grid);
+vec4 t=BokehFetchGrid(LayerSamp,vec2(inner.x,texel.y-1.),grid);
+vec4 b=BokehFetchGrid(LayerSamp,vec2(inner.x,texel.y+2.),grid);
 vec2 side=w12.yx/(w12.x*w12.y+(w0.x+w3.x)*w12.y+(w0.y+w3.y)*w12.x);
-vec4 sum=c*(w12.x*side.x)+l*(w0.x*side.x)+r*(w3.x*side.x)+t*(w0.y *
-side.y)+b*(w3.y*side.y);
-result=clamp(sum,min(min(c,min(l,r)),min(t,b)),max(max(c,max(l,r)),max(t,b)));
-}
-else
-{
-result=BokehFetchGrid(LayerSamp,place,grid);
-}
-return result;
-}
-vec2 BokehSpreadInverse(vec2 CoC)
-{
-vec2 inverse=1.0/max(CoC*CoC,vec2(0.000001,0.000001));
-return inverse*(inverse*(16.0*BOKEH_TUNED_PIXEL_BLUR)+4.0);
-}
-struct BokehRingLayout
-{
+vec4 sum=c*(w12.x*side.x)+l*(w0.x*side.x)+r*(w3.x*side.x)+t*(w0.y *side.y)+b*(w3.y*side.y);
+result=clamp(sum,min(min(c,min(l,r)),min(t,b)),max(max(c,max(l,r)),max(t,b)));}
+else{
+result=BokehFetchGrid(LayerSamp,place,grid);}
+return result;}
+vec2 BokehSpreadInverse(vec2 CoC){
+vec2 inverse=1./max(CoC*CoC,vec2(.000001,.000001));
+return inverse*(inverse*(16.*BOKEH_TUNED_PIXEL_BLUR)+4.);}
+struct BokehRingLayout{
 float radius;
 float spacing;
 float narrowing;
 };
-float BokehRingBorder(int ring,BokehRingLayout rings)
-{
-float even=rings.spacing*(float(ring)+0.5);
-return max(even+even*(even/rings.radius-1.0)*rings.narrowing,min(even,float(ring) +
-0.5));
-}
-struct BokehGather
-{
+float BokehRingBorder(int ring,BokehRingLayout rings){
+float even=rings.spacing*(float(ring)+.5);
+return max(even+even*(even/rings.radius-1.)*rings.narrowing,min(even,float(ring) +.5));}
+struct BokehGather{
 vec4 sum;
 vec4 front;
 float farFound;
@@ -1677,92 +1155,69 @@ float snapping;
 vec2 bounds;
 float inner;
 };
-BokehGather BokehGatherRing(BokehGather before,BOKEH_TEXTURE MapSamp,int ring,int onEdge,
-float outer,BokehPolygon polygon,BokehLayerContext layers)
-{
+BokehGather BokehGatherRing(BokehGather before,BOKEH_TEXTURE MapSamp,int ring,int onEdge,float outer,BokehPolygon polygon,BokehLayerContext layers){
 BokehGather gather=before;
 BokehGrid full=BokehFullGrid(layers);
-vec2 zero=vec2(0.0,0.0);
-vec2 one=vec2(1.0,1.0);
+vec2 zero=vec2(0.,0.);
+vec2 one=vec2(1.,1.);
 float outwards=BOKEH_TUNED_RING_POSITION-BOKEH_TUNED_RING_STEP*float(BOKEH_LAYER_RINGS);
 float current=gather.inner+(outer-gather.inner)*outwards;
 float innerSquare=gather.inner*gather.inner;
 float area=outer*outer-innerSquare;
-float phase=layers.jitter*clamp(current/float(ring)-1.0,0.0,1.0);
-if(ring != 2)
-{
-phase+=0.5;
-}
+float phase=layers.jitter*clamp(current/float(ring)-1.,0.,1.);
+if(ring != 2){
+phase+=.5;}
 vec2 right=vec2(polygon.axis.x*polygon.squeeze,polygon.axis.y)*current;
 vec2 upwards=vec2(-polygon.axis.y*polygon.squeeze,polygon.axis.x)*current;
-vec2 corner=polygon.corner*2.0;
-vec2 turn=BokehTurn(1.0,polygon);
-vec2 direction=vec2(-turn.y,turn.x)*2.0;
-for(int edge=1;edge <= polygon.sides/2;edge++)
-{
+vec2 corner=polygon.corner*2.;
+vec2 turn=BokehTurn(1.,polygon);
+vec2 direction=vec2(-turn.y,turn.x)*2.;
+for(int edge=1;edge<=polygon.sides/2;edge++){
 vec2 alongEdge=direction*BokehEdgeLength(edge,polygon);
 vec2 along=alongEdge/float(onEdge);
-float cell=(corner.x*along.y-corner.y*along.x)/(8.0*polygon.area);
-for(int i=0;i < onEdge;i++)
-{
+float cell=(corner.x*along.y-corner.y*along.x)/(8.*polygon.area);
+for(int i=0;i<onEdge;i++){
 vec2 upright=corner+along*(float(i)+phase);
 vec2 place=right*upright.x+upwards*upright.y;
 vec2 texel=floor(place);
-vec2 offset=texel+clamp((place-texel)*(gather.snapping+1.0)-0.5 *
-gather.snapping,zero,one);
+vec2 offset=texel+clamp((place-texel)*(gather.snapping+1.)-.5 *gather.snapping,zero,one);
 vec4 pixel=BokehFetchAround(MapSamp,gather.center,offset,full);
 vec4 other=BokehFetchAround(MapSamp,gather.center,-offset,full);
 vec2 CoC=vec2(pixel.a,other.a)*full.size.y;
-vec2 isBehind=clamp(CoC*2.0-2.0*gather.s,zero,one)*(1.0 -
-gather.nearWeight);
+vec2 isBehind=clamp(CoC*2.-2.*gather.s,zero,one)*(1. -gather.nearWeight);
 vec2 inverse=BokehSpreadInverse(CoC);
 inverse+=(gather.inverse-inverse)*isBehind;
 inverse=clamp(inverse,gather.bounds.xx,gather.bounds.yy);
-vec2 covers=cell*max(min(1.0-innerSquare*inverse,area*inverse),zero);
-vec2 inFar=covers*clamp(CoC*gather.slopes.y-2.0,zero,one);
-covers=covers*(1.0-clamp(CoC * -gather.slopes.x-2.0,zero,one))-inFar;
+vec2 covers=cell*max(min(1.-innerSquare*inverse,area*inverse),zero);
+vec2 inFar=covers*clamp(CoC*gather.slopes.y-2.,zero,one);
+covers=covers*(1.-clamp(CoC * -gather.slopes.x-2.,zero,one))-inFar;
 gather.farFound+=inFar.x+inFar.y;
-gather.sum+=vec4(pixel.rgb,1.0)*covers.x;
-gather.sum+=vec4(other.rgb,1.0)*covers.y;
-vec2 inFront=covers*clamp(gather.s-0.5-CoC,zero,one);
-gather.front+=vec4(pixel.rgb,1.0)*inFront.x;
-gather.front+=vec4(other.rgb,1.0)*inFront.y;
-}
+gather.sum+=vec4(pixel.rgb,1.)*covers.x;
+gather.sum+=vec4(other.rgb,1.)*covers.y;
+vec2 inFront=covers*clamp(gather.s-.5-CoC,zero,one);
+gather.front+=vec4(pixel.rgb,1.)*inFront.x;
+gather.front+=vec4(other.rgb,1.)*inFront.y;}
 corner+=alongEdge;
-direction=BokehRotated(direction,turn);
-}
+direction=BokehRotated(direction,turn);}
 gather.inner=outer;
-return gather;
-}
-BokehGather BokehGatherTo(BokehGather before,BOKEH_TEXTURE MapSamp,int ring,int density,
-float end,BokehRingLayout rings,BokehPolygon polygon,BokehLayerContext layers)
-{
+return gather;}
+BokehGather BokehGatherTo(BokehGather before,BOKEH_TEXTURE MapSamp,int ring,int density,float end,BokehRingLayout rings,BokehPolygon polygon,BokehLayerContext layers){
 BokehGather gather=before;
 float outer=min(BokehRingBorder(ring,rings),end);
-if(ring <= BOKEH_LAYER_RINGS+1&&gather.inner < outer)
-{
-gather=BokehGatherRing(gather,MapSamp,ring,BokehSamplesPerEdge(max(min(density,
-BOKEH_LAYER_RINGS),1),polygon),outer,polygon,layers);
-}
-return gather;
-}
-vec4 BokehComposite(BOKEH_TEXTURE MapSamp,BOKEH_TEXTURE GatherTilesSamp,BOKEH_TEXTURE NearSamp,
-BOKEH_TEXTURE FarSamp,BOKEH_TEXTURE MidFillSamp,BOKEH_TEXTURE FarFillSamp,
-BokehPolygon polygon,BokehLayerContext layers)
-{
+if(ring<=BOKEH_LAYER_RINGS+1&&gather.inner<outer){
+gather=BokehGatherRing(gather,MapSamp,ring,BokehSamplesPerEdge(max(min(density,BOKEH_LAYER_RINGS),1),polygon),outer,polygon,layers);}
+return gather;}
+vec4 BokehComposite(BOKEH_TEXTURE MapSamp,BOKEH_TEXTURE GatherTilesSamp,BOKEH_TEXTURE NearSamp,BOKEH_TEXTURE FarSamp,BOKEH_TEXTURE MidFillSamp,BOKEH_TEXTURE FarFillSamp,BokehPolygon polygon,BokehLayerContext layers){
 BokehGrid full=BokehFullGrid(layers);
-vec2 center=floor(layers.uv*full.size)+0.5;
+vec2 center=floor(layers.uv*full.size)+.5;
 vec4 centerPixel=BokehFetchTexel(MapSamp,BokehToTexture(layers.uv));
-vec4 tile=BokehFetchGrid(GatherTilesSamp,center/8.0,BokehReducedGrid(layers,8.0));
+vec4 tile=BokehFetchGrid(GatherTilesSamp,center/8.,BokehReducedGrid(layers,8.));
 vec3 result=centerPixel.rgb;
 BokehGrid grid=BokehLayerGrid(layers);
-vec4 nearLayer=vec4(0.0,0.0,0.0,0.0);
-if(BOKEH_SIDES > 0&&tile.r > BOKEH_TUNED_NEAR_START)
-{
-nearLayer=BokehFetchLayer(NearSamp,center/float(BOKEH_LAYER_SCALE),grid);
-}
-if(max(tile.r,tile.g) > 1.0&&nearLayer.a*BOKEH_TUNED_NEAR_ALPHA < 1.0)
-{
+vec4 nearLayer=vec4(0.,0.,0.,0.);
+if(BOKEH_SIDES>0&&tile.r>BOKEH_TUNED_NEAR_START){
+nearLayer=BokehFetchLayer(NearSamp,center/float(BOKEH_LAYER_SCALE),grid);}
+if(max(tile.r,tile.g)>1.&&nearLayer.a*BOKEH_TUNED_NEAR_ALPHA<1.){
 BokehGather gather;
 float s=centerPixel.a*full.size.y;
 gather.center=center;
@@ -1772,265 +1227,176 @@ float nearWeight=BokehLayerWeight(-s,gather.slopes.x);
 float farWeight=BokehLayerWeight(s,gather.slopes.y);
 gather.nearWeight=nearWeight;
 gather.inverse=BokehSpreadInverse(vec2(s,s)).x;
-float restRadius=clamp(16.0-16.0*farWeight,0.0,1.0)*(1.0-nearWeight) /
+float restRadius=clamp(16.-16.*farWeight,0.,1.)*(1.-nearWeight) /
 sqrt(gather.inverse);
-float radius=max(max(restRadius,0.01),0.5*max(tile.b,tile.a*farWeight));
-if(BOKEH_LAYER_RINGS==0)
-{
-radius=min(radius,BOKEH_TUNED_SINGLE_RADIUS);
-}
+float radius=max(max(restRadius,.01),.5*max(tile.b,tile.a*farWeight));
+if(BOKEH_LAYER_RINGS==0){
+radius=min(radius,BOKEH_TUNED_SINGLE_RADIUS);}
 BokehRingLayout ringLayout;
 ringLayout.radius=radius;
-ringLayout.narrowing=clamp(radius/max(restRadius,1.0)-1.0,0.0,1.0);
-float layerReach=max(tile.g,tile.r+(BOKEH_TUNED_FAR_START -
-BOKEH_TUNED_NEAR_START));
+ringLayout.narrowing=clamp(radius/max(restRadius,1.)-1.,0.,1.);
+float layerReach=max(tile.g,tile.r+(BOKEH_TUNED_FAR_START -BOKEH_TUNED_NEAR_START));
 float denseRings=float(BOKEH_LAYER_RINGS);
-if(layerReach <= 14.0-4.0*float(BOKEH_LAYER_CUBIC))
-{
-denseRings+=1.0;
-}
+if(layerReach<=14.-4.*float(BOKEH_LAYER_CUBIC)){
+denseRings+=1.;}
 float rings=denseRings;
-if(max(nearWeight,farWeight*tile.r*float(BOKEH_LAYER_RINGS-1)) <= 0.0)
-{
-rings=max(rings,min(radius/BOKEH_TUNED_RING_WIDTH,
-float(BOKEH_LAYER_RINGS)+1.0));
-}
-ringLayout.spacing=max(min(radius/1.499,1.0),radius/(rings+0.499));
+if(max(nearWeight,farWeight*tile.r*float(BOKEH_LAYER_RINGS-1))<=0.){
+rings=max(rings,min(radius/BOKEH_TUNED_RING_WIDTH,float(BOKEH_LAYER_RINGS)+1.));}
+ringLayout.spacing=max(min(radius/1.499,1.),radius/(rings+.499));
 gather.inner=BokehRingBorder(0,ringLayout);
-if(radius < 0.5)
-{
-gather.inner=radius;
-}
-gather.bounds=1.0/vec2(radius*radius,gather.inner*gather.inner);
-float weight=(1.0-nearWeight)*min(gather.inverse/gather.bounds.y,1.0);
+if(radius<.5){
+gather.inner=radius;}
+gather.bounds=1./vec2(radius*radius,gather.inner*gather.inner);
+float weight=(1.-nearWeight)*min(gather.inverse/gather.bounds.y,1.);
 gather.farFound=weight*farWeight;
-gather.sum=vec4(centerPixel.rgb,1.0)*(weight-gather.farFound);
-gather.front=vec4(0.0,0.0,0.0,0.0);
-gather.snapping=max(tile.r,tile.g-16.0);
+gather.sum=vec4(centerPixel.rgb,1.)*(weight-gather.farFound);
+gather.front=vec4(0.,0.,0.,0.);
+gather.snapping=max(tile.r,tile.g-16.);
 float lastInner=radius;
-if(rings > denseRings)
-{
-lastInner=min(BokehRingBorder(BOKEH_LAYER_RINGS,ringLayout),radius);
-}
-if(BOKEH_SIDES > 0)
-{
-if(BOKEH_LAYER_RINGS > 0)
-{
-gather=BokehGatherTo(gather,MapSamp,1,1,lastInner,ringLayout,polygon,
-layers);
-}
-if(BOKEH_LAYER_RINGS > 1)
-{
-gather=BokehGatherTo(gather,MapSamp,2,2,lastInner,ringLayout,polygon,
-layers);
-gather=BokehGatherTo(gather,MapSamp,3,3,lastInner,ringLayout,polygon,
-layers);
-gather=BokehGatherTo(gather,MapSamp,4,4,lastInner,ringLayout,polygon,
-layers);
-gather=BokehGatherTo(gather,MapSamp,5,5,lastInner,ringLayout,polygon,
-layers);
-}
-gather=BokehGatherTo(gather,MapSamp,BOKEH_LAYER_RINGS+1,1,radius,ringLayout,
-polygon,layers);
-}
-else
-{
-for(int ring=1;ring <= BOKEH_LAYER_RINGS+1;ring++)
-{
-if(gather.inner >= radius)
-{
-break;
-}
+if(rings>denseRings){
+lastInner=min(BokehRingBorder(BOKEH_LAYER_RINGS,ringLayout),radius);}
+if(BOKEH_SIDES>0){
+if(BOKEH_LAYER_RINGS>0){
+gather=BokehGatherTo(gather,MapSamp,1,1,lastInner,ringLayout,polygon,layers);}
+if(BOKEH_LAYER_RINGS>1){
+gather=BokehGatherTo(gather,MapSamp,2,2,lastInner,ringLayout,polygon,layers);
+gather=BokehGatherTo(gather,MapSamp,3,3,lastInner,ringLayout,polygon,layers);
+gather=BokehGatherTo(gather,MapSamp,4,4,lastInner,ringLayout,polygon,layers);
+gather=BokehGatherTo(gather,MapSamp,5,5,lastInner,ringLayout,polygon,layers);}
+gather=BokehGatherTo(gather,MapSamp,BOKEH_LAYER_RINGS+1,1,radius,ringLayout,polygon,layers);}
+else{
+for(int ring=1;ring<=BOKEH_LAYER_RINGS+1;ring++){
+if(gather.inner>=radius){
+break;}
 int density=max(min(ring,BOKEH_LAYER_RINGS),1);
-if(float(ring) > denseRings)
-{
-density=1;
-}
+if(float(ring)>denseRings){
+density=1;}
 float outer=min(BokehRingBorder(ring,ringLayout),radius);
-gather=BokehGatherRing(gather,MapSamp,ring,BokehSamplesPerEdge(density,
-polygon),outer,polygon,layers);
-}
-}
-vec4 farLayer=vec4(0.0,0.0,0.0,0.0);
-if(layerReach > BOKEH_TUNED_FAR_START)
-{
-if(BOKEH_SIDES==0)
-{
-nearLayer=BokehFetchLayer(NearSamp,center/float(BOKEH_LAYER_SCALE),grid);
-}
-farLayer=BokehFetchLayer(FarSamp,center/float(BOKEH_LAYER_SCALE),grid);
-}
-BokehGrid quarters=BokehReducedGrid(layers,4.0);
-float behindNear=clamp(2.0*farWeight*nearLayer.a-0.25+1000.0*nearWeight,
-0.0,1.0);
-vec3 farColor=farLayer.rgb/max(farLayer.a,0.000001);
-if(behindNear > 0.0)
-{
-vec4 farFill=BokehFetchGrid(FarFillSamp,0.25*center,quarters);
-float missing=clamp(1.0-2.0*farLayer.a,0.0,1.0)*behindNear;
+gather=BokehGatherRing(gather,MapSamp,ring,BokehSamplesPerEdge(density,polygon),outer,polygon,layers);}}
+vec4 farLayer=vec4(0.,0.,0.,0.);
+if(layerReach>BOKEH_TUNED_FAR_START){
+if(BOKEH_SIDES==0){
+nearLayer=BokehFetchLayer(NearSamp,center/float(BOKEH_LAYER_SCALE),grid);}
+farLayer=BokehFetchLayer(FarSamp,center/float(BOKEH_LAYER_SCALE),grid);}
+BokehGrid quarters=BokehReducedGrid(layers,4.);
+float behindNear=clamp(2.*farWeight*nearLayer.a-.25+1000.*nearWeight,0.,1.);
+vec3 farColor=farLayer.rgb/max(farLayer.a,.000001);
+if(behindNear>0.){
+vec4 farFill=BokehFetchGrid(FarFillSamp,.25*center,quarters);
+float missing=clamp(1.-2.*farLayer.a,0.,1.)*behindNear;
 farColor+=(farFill.rgb-farColor)*missing;
-farLayer=vec4(farColor*farLayer.a,farLayer.a);
-}
-vec4 sum=gather.sum+farLayer*(gather.farFound*(1.0-max(farWeight,nearWeight)) /
-max(farLayer.a,0.001));
+farLayer=vec4(farColor*farLayer.a,farLayer.a);}
+vec4 sum=gather.sum+farLayer*(gather.farFound*(1.-max(farWeight,nearWeight)) /
+max(farLayer.a,.001));
 vec4 plain=sum+farLayer*farWeight;
-if(plain.a >= 0.001)
-{
+if(plain.a>=.001){
 float rest=plain.a-gather.front.a;
-float open=clamp(1.0-gather.front.a,0.0,1.0)/max(rest,0.1);
-result=(gather.front.rgb+(plain.rgb-gather.front.rgb)*open)/(gather.front.a +
-rest*open);
-}
-if(nearWeight > 0.0)
-{
-vec4 midFill=BokehFetchGrid(MidFillSamp,0.25*center,quarters);
-float inNear=nearLayer.a*min(2.0-2.0*nearWeight,1.0);
-float empty=clamp(1.0-sum.a-inNear,0.0,1.0);
-float cover=empty*clamp((midFill.a-0.3)/0.4,0.0,1.0);
+float open=clamp(1.-gather.front.a,0.,1.)/max(rest,.1);
+result=(gather.front.rgb+(plain.rgb-gather.front.rgb)*open)/(gather.front.a +rest*open);}
+if(nearWeight>0.){
+vec4 midFill=BokehFetchGrid(MidFillSamp,.25*center,quarters);
+float inNear=nearLayer.a*min(2.-2.*nearWeight,1.);
+float empty=clamp(1.-sum.a-inNear,0.,1.);
+float cover=empty*clamp((midFill.a-.3)/.4,0.,1.);
 vec3 stack=(sum.rgb+midFill.rgb*cover+farColor*(empty-cover)) /
-max(sum.a+empty,0.000001);
-result+=(stack-result)*nearWeight;
-}
-}
-float alpha=clamp(nearLayer.a*BOKEH_TUNED_NEAR_ALPHA,0.0,1.0);
-result=result*(1.0-alpha)+nearLayer.rgb*(alpha/max(nearLayer.a,0.000001));
-return vec4(result,centerPixel.a);
-}
+max(sum.a+empty,.000001);
+result+=(stack-result)*nearWeight;}}
+float alpha=clamp(nearLayer.a*BOKEH_TUNED_NEAR_ALPHA,0.,1.);
+result=result*(1.-alpha)+nearLayer.rgb*(alpha/max(nearLayer.a,.000001));
+return vec4(result,centerPixel.a);}
 `,
   bokeh_lens: `
 #ifndef BOKEH_VIEWPORT
-#error put bokeh.glsl before bokeh_lens.glsl
+#error
 #endif
 #define BOKEH_LENS 1
-BokehPolygon BokehUpdatePolygon(BokehPolygon polygon)
-{
+BokehPolygon BokehUpdatePolygon(BokehPolygon polygon){
 BokehPolygon closed=polygon;
-closed.mean=vec2(0.0,0.0);
-closed.area=0.0;
-vec2 begin=vec2(0.0,0.0);
-for(int i=1;i <= polygon.sides/2;i++)
-{
+closed.mean=vec2(0.,0.);
+closed.area=0.;
+vec2 begin=vec2(0.,0.);
+for(int i=1;i<=polygon.sides/2;i++){
 vec2 edge=BokehEdge(i,polygon);
-if(i < polygon.sides/2)
-{
-closed.mean+=(begin+edge*0.5)/(0.5*float(polygon.sides)-1.0);
-}
+if(i<polygon.sides/2){
+closed.mean+=(begin+edge*.5)/(.5*float(polygon.sides)-1.);}
 closed.area+=begin.x*edge.y-begin.y*edge.x;
-begin+=edge;
-}
-closed.corner=begin * -0.5;
+begin+=edge;}
+closed.corner=begin * -.5;
 closed.mean+=closed.corner;
-return closed;
-}
-BokehPolygon BokehWithRoundness(BokehPolygon polygon,float roundness)
-{
+return closed;}
+BokehPolygon BokehWithRoundness(BokehPolygon polygon,float roundness){
 BokehPolygon result=polygon;
-if(polygon.sides==8)
-{
-float corner=0.39269908*clamp(roundness,0.0,1.0);
-float odd=sin(max(corner,0.001));
-float even=sin(0.78539816-corner);
+if(polygon.sides==8){
+float corner=.39269908*clamp(roundness,0.,1.);
+float odd=sin(max(corner,.001));
+float even=sin(.78539816-corner);
 result.lengths=vec4(odd,even,odd,even);
-result=BokehUpdatePolygon(result);
-}
-return result;
-}
-float BokehHalfWidth(int k,BokehPolygon polygon,vec2 along)
-{
-float width=0.0;
-for(int i=1;i <= polygon.sides/2;i++)
-{
-width+=abs(BokehTurn(float(i-k),polygon).y)*BokehEdgeLength(i,polygon);
-}
-return 0.5*width*(1.0-abs(dot(along,BokehTurn(float(k),polygon))));
-}
-float BokehCutLength(int k,BokehPolygon widths)
-{
+result=BokehUpdatePolygon(result);}
+return result;}
+float BokehHalfWidth(int k,BokehPolygon polygon,vec2 along){
+float width=0.;
+for(int i=1;i<=polygon.sides/2;i++){
+width+=abs(BokehTurn(float(i-k),polygon).y)*BokehEdgeLength(i,polygon);}
+return .5*width*(1.-abs(dot(along,BokehTurn(float(k),polygon))));}
+float BokehCutLength(int k,BokehPolygon widths){
 float halfWidth=BokehEdgeLength(k,widths);
 int edges=widths.sides/2;
-vec2 ends=vec2(1.0,1.0);
-for(int i=1;i < edges;i++)
-{
+vec2 ends=vec2(1.,1.);
+for(int i=1;i<edges;i++){
 vec2 turn=BokehTurn(float(i),widths);
 vec2 others=vec2(BokehEdgeLength(k-i+edges,widths),BokehEdgeLength(k+i,widths));
-ends=min(ends,(others-halfWidth*turn.x)/turn.y);
-}
-return max(ends.x+ends.y,0.001);
-}
-BokehPolygon BokehWithCatsEye(BokehPolygon polygon,vec2 uv,vec2 imageSize,float amount)
-{
-vec2 place=(uv-0.5)*2.0*imageSize/length(imageSize);
-vec2 along=BokehRotated(place,vec2(polygon.axis.x,-polygon.axis.y))*clamp(amount,0.0,
-0.9);
+ends=min(ends,(others-halfWidth*turn.x)/turn.y);}
+return max(ends.x+ends.y,.001);}
+BokehPolygon BokehWithCatsEye(BokehPolygon polygon,vec2 uv,vec2 imageSize,float amount){
+vec2 place=(uv-.5)*2.*imageSize/length(imageSize);
+vec2 along=BokehRotated(place,vec2(polygon.axis.x,-polygon.axis.y))*clamp(amount,0.,.9);
 BokehPolygon whole=polygon;
-whole.lengths*=clamp((polygon.lengths-0.001)*100000.0,vec4(0.0,0.0,0.0,0.0),vec4(1.0,
-1.0,1.0,1.0));
+whole.lengths*=clamp((polygon.lengths-.001)*100000.,vec4(0.,0.,0.,0.),vec4(1.,1.,1.,1.));
 BokehPolygon widths=polygon;
-widths.lengths=vec4(BokehHalfWidth(1,whole,along),BokehHalfWidth(2,whole,along),
-BokehHalfWidth(3,whole,along),BokehHalfWidth(4,whole,along));
+widths.lengths=vec4(BokehHalfWidth(1,whole,along),BokehHalfWidth(2,whole,along),BokehHalfWidth(3,whole,along),BokehHalfWidth(4,whole,along));
 widths.fifth=BokehHalfWidth(5,whole,along);
 BokehPolygon result=polygon;
-result.lengths=vec4(BokehCutLength(1,widths),BokehCutLength(2,widths),BokehCutLength(3,
-widths),BokehCutLength(4,widths));
+result.lengths=vec4(BokehCutLength(1,widths),BokehCutLength(2,widths),BokehCutLength(3,widths),BokehCutLength(4,widths));
 result.fifth=BokehCutLength(5,widths);
-return BokehUpdatePolygon(result);
-}
-struct BokehFocus
-{
+return BokehUpdatePolygon(result);}
+struct BokehFocus{
 vec2 sharpRange;
 vec2 sideScale;
 vec2 sideMaxCoC;
 };
-float BokehFocusedCoC(float depth,BokehLens lens,BokehFocus focus)
-{
+float BokehFocusedCoC(float depth,BokehLens lens,BokehFocus focus){
 float middle=min(lens.focusDistance,BOKEH_MAX_DEPTH);
 BokehLens nearest=lens;
 nearest.focusDistance=clamp(depth,middle-focus.sharpRange.x,middle+focus.sharpRange.y);
 float CoC=BokehSignedCoC(depth,nearest);
-return clamp(min(CoC,0.0)*focus.sideScale.x+max(CoC,0.0)*focus.sideScale.y,
--focus.sideMaxCoC.x,focus.sideMaxCoC.y);
-}
-vec4 BokehStableMap(BOKEH_TEXTURE MapSamp,BOKEH_TEXTURE HistorySamp,BOKEH_TEXTURE VelocitySamp,
-vec2 uv,vec2 imageSize,float blend)
-{
+return clamp(min(CoC,0.)*focus.sideScale.x+max(CoC,0.)*focus.sideScale.y,-focus.sideMaxCoC.x,focus.sideMaxCoC.y);}
+vec4 BokehStableMap(BOKEH_TEXTURE MapSamp,BOKEH_TEXTURE HistorySamp,BOKEH_TEXTURE VelocitySamp,vec2 uv,vec2 imageSize,float blend){
 vec4 pixel=BokehFetchTexel(MapSamp,BokehToTexture(uv));
 float nearest=pixel.a;
-for(int y=0;y < 3;y++)
-{
-for(int x=0;x < 3;x++)
-{
-vec2 place=uv+(vec2(float(x),float(y))-1.0)/imageSize;
-nearest=min(nearest,BokehFetchTexel(MapSamp,BokehToTexture(place)).a);
-}
-}
+for(int y=0;y<3;y++){
+for(int x=0;x<3;x++){
+vec2 place=uv+(vec2(float(x),float(y))-1.)/imageSize;
+nearest=min(nearest,BokehFetchTexel(MapSamp,BokehToTexture(place)).a);}}
 vec2 velocity=BokehFetchTexel(VelocitySamp,BokehToTexture(uv)).rg;
-vec2 before=uv-vec2(BokehSanitize(velocity.x,-2.0,2.0),BokehSanitize(velocity.y,-2.0,
-2.0));
+vec2 before=uv-vec2(BokehSanitize(velocity.x,-2.,2.),BokehSanitize(velocity.y,-2.,2.));
 float history=BokehSanitize(BokehFetch(HistorySamp,before).a,nearest,pixel.a);
-if(max(abs(before.x-0.5),abs(before.y-0.5)) <= 0.5)
-{
-pixel+=vec4(0.0,0.0,0.0,(history-pixel.a)*clamp(1.0-blend,0.0,1.0));
-}
-return pixel;
-}
-vec4 BokehLateralColor(BOKEH_TEXTURE PictureSamp,vec2 uv,float amount)
-{
-float larger=clamp(amount,-0.1,0.1);
-vec2 place=uv-0.5;
+if(max(abs(before.x-.5),abs(before.y-.5))<=.5){
+pixel+=vec4(0.,0.,0.,(history-pixel.a)*clamp(1.-blend,0.,1.));}
+return pixel;}
+vec4 BokehLateralColor(BOKEH_TEXTURE PictureSamp,vec2 uv,float amount){
+float larger=clamp(amount,-.1,.1);
+vec2 place=uv-.5;
 vec4 green=BokehFetch(PictureSamp,uv);
-float red=BokehFetch(PictureSamp,place/(1.0+larger)+0.5).r;
-float blue=BokehFetch(PictureSamp,place/(1.0-larger)+0.5).b;
-return vec4(red,green.g,blue,green.a);
-}
+float red=BokehFetch(PictureSamp,place/(1.+larger)+.5).r;
+float blue=BokehFetch(PictureSamp,place/(1.-larger)+.5).b;
+return vec4(red,green.g,blue,green.a);}
 `,
   noise: `
-float BokehNoise(vec2 uv,vec2 imageSize,float frame,float passIndex)
-{
-float number=(8.0*passIndex+1.0)*(frame-64.0*floor(frame/64.0))+passIndex;
-float seed=dot(floor(uv*imageSize),vec2(0.06711056,0.00583715));
-float value=52.9829189*(seed-floor(seed))+0.515625*number;
-return value-floor(value)-0.5;
-}
+float BokehNoise(vec2 uv,vec2 imageSize,float frame,float passIndex){
+float number=(8.*passIndex+1.)*(frame-64.*floor(frame/64.))+passIndex;
+float seed=dot(floor(uv*imageSize),vec2(.06711056,.00583715));
+float value=52.9829189*(seed-floor(seed))+.515625*number;
+return value-floor(value)-.5;}
 `,
 };
 
@@ -2040,307 +1406,176 @@ override BOKEH_NUM_SAMPLES: i32 = 9;
 override BOKEH_SPACING: f32 = 1.5;
 override BOKEH_VIEWPORT: i32 = 0;
 override BOKEH_SIDES: i32 = 0;
-const BOKEH_MAX_COLOR:f32=65504.0;
-const BOKEH_MIN_DEPTH:f32=0.000001;
-const BOKEH_MAX_DEPTH:f32=1000000000.0;
-const BOKEH_TUNED_LIGHT_START:f32=4.0;
-const BOKEH_TUNED_LIGHT_FULL:f32=8.0;
+const BOKEH_MAX_COLOR:f32=65504.;
+const BOKEH_MIN_DEPTH:f32=.000001;
+const BOKEH_MAX_DEPTH:f32=1000000000.;
+const BOKEH_TUNED_LIGHT_START:f32=4.;
+const BOKEH_TUNED_LIGHT_FULL:f32=8.;
 const BOKEH_TUNED_RIM_START:f32=1.3;
 const BOKEH_TUNED_RIM_FULL:f32=1.5;
-const BOKEH_TUNED_SHARP_WEIGHT:f32=0.5;
-const BOKEH_TUNED_DENSE_RATIO:f32=0.25;
+const BOKEH_TUNED_SHARP_WEIGHT:f32=.5;
+const BOKEH_TUNED_DENSE_RATIO:f32=.25;
 alias BokehDepthTexture = texture_2d<f32>;
-fn BokehFetchTexture(tex:texture_2d<f32>,coords:vec2f,BokehLinearClamp:sampler)->vec4f
-{
-return textureSampleLevel(tex,BokehLinearClamp,coords,0.0);
-}
-fn BokehFetchTexel(tex:texture_2d<f32>,coords:vec2f)->vec4f
-{
+fn BokehFetchTexture(tex:texture_2d<f32>,coords:vec2f,BokehLinearClamp:sampler)->vec4f{
+return textureSampleLevel(tex,BokehLinearClamp,coords,0.);}
+fn BokehFetchTexel(tex:texture_2d<f32>,coords:vec2f)->vec4f{
 let size=vec2i(textureDimensions(tex));
 let texel=vec2i(saturate(coords)*vec2f(size));
-return textureLoad(tex,min(texel,size-vec2i(1,1)),0);
-}
-fn BokehFetchDepth(tex:BokehDepthTexture,coords:vec2f)->vec2f
-{
+return textureLoad(tex,min(texel,size-vec2i(1,1)),0);}
+fn BokehFetchDepth(tex:BokehDepthTexture,coords:vec2f)->vec2f{
 let size=vec2i(textureDimensions(tex));
 let texel=vec2i(saturate(coords)*vec2f(size));
-return vec4f(textureLoad(tex,min(texel,size-vec2i(1,1)),0)).rg;
-}
-var<private> BokehViewport:vec4f=vec4f(0.0,0.0,1.0,1.0);
-var<private> BokehViewportBounds:vec4f=vec4f(0.0,0.0,1.0,1.0);
-fn BokehSetViewport(viewport:vec4f,textureSize:vec2f)
-{
-if(BOKEH_VIEWPORT > 0)
-{
-let inset=min(vec2f(0.5078125,0.5078125),viewport.zw*0.5);
+return vec4f(textureLoad(tex,min(texel,size-vec2i(1,1)),0)).rg;}
+var<private> BokehViewport:vec4f=vec4f(0.,0.,1.,1.);
+var<private> BokehViewportBounds:vec4f=vec4f(0.,0.,1.,1.);
+fn BokehSetViewport(viewport:vec4f,textureSize:vec2f){
+if(BOKEH_VIEWPORT>0){
+let inset=min(vec2f(.5078125,.5078125),viewport.zw*.5);
 BokehViewport=viewport/textureSize.xyxy;
 BokehViewportBounds=vec4f(viewport.xy+inset,viewport.xy+viewport.zw-inset) /
-textureSize.xyxy;
-}
-}
-fn BokehToTexture(uv:vec2f)->vec2f
-{
+textureSize.xyxy;}}
+fn BokehToTexture(uv:vec2f)->vec2f{
 var coords=uv;
-if(BOKEH_VIEWPORT > 0)
-{
-coords=clamp(BokehViewport.xy+uv*BokehViewport.zw,BokehViewportBounds.xy,
-BokehViewportBounds.zw);
-}
-return coords;
-}
-fn BokehFetch(tex:texture_2d<f32>,uv:vec2f,BokehLinearClamp:sampler)->vec4f
-{
-return BokehFetchTexture(tex,BokehToTexture(uv),BokehLinearClamp);
-}
-struct BokehLens
-{
-apertureDiameter:f32,
-focalLength:f32,
-focusDistance:f32,
-sensorHeight:f32,
-maxCoC:f32,
-}
-fn BokehMakeLens(apertureDiameter:f32,focalLength:f32,focusDistance:f32)->BokehLens
-{
+if(BOKEH_VIEWPORT>0){
+coords=clamp(BokehViewport.xy+uv*BokehViewport.zw,BokehViewportBounds.xy,BokehViewportBounds.zw);}
+return coords;}
+fn BokehFetch(tex:texture_2d<f32>,uv:vec2f,BokehLinearClamp:sampler)->vec4f{
+return BokehFetchTexture(tex,BokehToTexture(uv),BokehLinearClamp);}
+struct BokehLens{
+apertureDiameter:f32,focalLength:f32,focusDistance:f32,sensorHeight:f32,maxCoC:f32,}
+fn BokehMakeLens(apertureDiameter:f32,focalLength:f32,focusDistance:f32)->BokehLens{
 var lens:BokehLens;
 lens.apertureDiameter=apertureDiameter;
 lens.focalLength=focalLength;
 lens.focusDistance=focusDistance;
-lens.sensorHeight=0.024;
-lens.maxCoC=0.1;
-return lens;
-}
-fn BokehSignedCoC(depth:f32,lens:BokehLens)->f32
-{
+lens.sensorHeight=.024;
+lens.maxCoC=.1;
+return lens;}
+fn BokehSignedCoC(depth:f32,lens:BokehLens)->f32{
 let focus=min(lens.focusDistance,BOKEH_MAX_DEPTH);
 let magnification=lens.focalLength/max(focus-lens.focalLength,BOKEH_MIN_DEPTH);
 let c=lens.apertureDiameter*magnification*(abs(depth-focus)/depth);
-var CoC=clamp(c/max(lens.sensorHeight,BOKEH_MIN_DEPTH),0.0,lens.maxCoC);
-if(depth < focus)
-{
-CoC = -CoC;
-}
-return CoC;
-}
-fn BokehSanitize(value:f32,minimum:f32,maximum:f32)->f32
-{
+var CoC=clamp(c/max(lens.sensorHeight,BOKEH_MIN_DEPTH),0.,lens.maxCoC);
+if(depth<focus){
+CoC = -CoC;}
+return CoC;}
+fn BokehSanitize(value:f32,minimum:f32,maximum:f32)->f32{
 var safe=minimum;
-if(value >= minimum)
-{
-safe=min(value,maximum);
-}
-return safe;
-}
-fn BokehLinearDepth(stored:vec2f,kind:i32,nearPlane:f32,farPlane:f32)->f32
-{
+if(value>=minimum){
+safe=min(value,maximum);}
+return safe;}
+fn BokehLinearDepth(stored:vec2f,kind:i32,nearPlane:f32,farPlane:f32)->f32{
 let value=stored.x;
 var depth=value;
-if(kind==1)
-{
-depth=nearPlane*farPlane/(farPlane-value*(farPlane-nearPlane));
-}
-else if(kind==2)
-{
-depth=nearPlane*farPlane/(nearPlane+value*(farPlane-nearPlane));
-}
-else if(kind==3)
-{
+if(kind==1){
+depth=nearPlane*farPlane/(farPlane-value*(farPlane-nearPlane));}
+else if(kind==2){
+depth=nearPlane*farPlane/(nearPlane+value*(farPlane-nearPlane));}
+else if(kind==3){
 depth=BOKEH_MAX_DEPTH;
-if(value >= nearPlane/BOKEH_MAX_DEPTH)
-{
-depth=nearPlane/value;
-}
-}
-else if(kind==4)
-{
-depth=2.0*nearPlane*farPlane/(farPlane+nearPlane-value*(farPlane -
-nearPlane));
-}
-else if(kind==5)
-{
-depth=nearPlane+value*(farPlane-nearPlane);
-}
-else if(kind==6)
-{
-depth=nearPlane+(1.0-value)*(farPlane-nearPlane);
-}
-else if(kind==7)
-{
-depth=value*farPlane;
-}
-else if(kind==8)
-{
-depth=0.0;
-if(value >= 0.0)
-{
-depth=exp2(value*log2(farPlane+1.0))-1.0;
-}
-}
-else if(kind==9)
-{
+if(value>=nearPlane/BOKEH_MAX_DEPTH){
+depth=nearPlane/value;}}
+else if(kind==4){
+depth=2.*nearPlane*farPlane/(farPlane+nearPlane-value*(farPlane -nearPlane));}
+else if(kind==5){
+depth=nearPlane+value*(farPlane-nearPlane);}
+else if(kind==6){
+depth=nearPlane+(1.-value)*(farPlane-nearPlane);}
+else if(kind==7){
+depth=value*farPlane;}
+else if(kind==8){
+depth=0.;
+if(value>=0.){
+depth=exp2(value*log2(farPlane+1.))-1.;}}
+else if(kind==9){
 depth=BOKEH_MAX_DEPTH;
-if(stored.y >= 0.5)
-{
-depth=value/stored.y;
-}
-}
-return BokehSanitize(depth,BOKEH_MIN_DEPTH,BOKEH_MAX_DEPTH);
-}
-fn BokehPackCoC(color:vec4f,CoC:f32)->vec4f
-{
-return vec4f(BokehSanitize(color.r,0.0,BOKEH_MAX_COLOR),BokehSanitize(color.g,0.0,
-BOKEH_MAX_COLOR),BokehSanitize(color.b,0.0,BOKEH_MAX_COLOR),CoC);
-}
-fn BokehBrightness(color:vec4f)->f32
-{
-let safe=BokehPackCoC(color,0.0);
-return safe.r+safe.g+safe.b;
-}
-fn BokehBrighter(brightest:vec3f,color:vec4f,direction:vec2f)->vec3f
-{
+if(stored.y>=.5){
+depth=value/stored.y;}}
+return BokehSanitize(depth,BOKEH_MIN_DEPTH,BOKEH_MAX_DEPTH);}
+fn BokehPackCoC(color:vec4f,CoC:f32)->vec4f{
+return vec4f(BokehSanitize(color.r,0.,BOKEH_MAX_COLOR),BokehSanitize(color.g,0.,BOKEH_MAX_COLOR),BokehSanitize(color.b,0.,BOKEH_MAX_COLOR),CoC);}
+fn BokehBrightness(color:vec4f)->f32{
+let safe=BokehPackCoC(color,0.);
+return safe.r+safe.g+safe.b;}
+fn BokehBrighter(brightest:vec3f,color:vec4f,direction:vec2f)->vec3f{
 var result=brightest;
 let brightness=BokehBrightness(color);
-if(brightness > brightest.z)
-{
-result=vec3f(direction,brightness);
-}
-return result;
-}
-fn BokehLightBeside(color:vec4f,right:vec4f,left:vec4f,below:vec4f,above:vec4f)->vec4f
-{
-let brightness=max(BokehBrightness(color),0.0000001);
-let darkest=min(min(BokehBrightness(right),BokehBrightness(left)),
-min(BokehBrightness(below),BokehBrightness(above)));
-var brightest=vec3f(0.0,0.0,brightness);
-brightest=BokehBrighter(brightest,right,vec2f(1.0,0.0));
-brightest=BokehBrighter(brightest,left,vec2f(-1.0,0.0));
-brightest=BokehBrighter(brightest,below,vec2f(0.0,1.0));
-brightest=BokehBrighter(brightest,above,vec2f(0.0,-1.0));
+if(brightness>brightest.z){
+result=vec3f(direction,brightness);}
+return result;}
+fn BokehLightBeside(color:vec4f,right:vec4f,left:vec4f,below:vec4f,above:vec4f)->vec4f{
+let brightness=max(BokehBrightness(color),.0000001);
+let darkest=min(min(BokehBrightness(right),BokehBrightness(left)),min(BokehBrightness(below),BokehBrightness(above)));
+var brightest=vec3f(0.,0.,brightness);
+brightest=BokehBrighter(brightest,right,vec2f(1.,0.));
+brightest=BokehBrighter(brightest,left,vec2f(-1.,0.));
+brightest=BokehBrighter(brightest,below,vec2f(0.,1.));
+brightest=BokehBrighter(brightest,above,vec2f(0.,-1.));
 let ratio=brightest.z/brightness;
-let dark=clamp((ratio-BOKEH_TUNED_LIGHT_START)/(BOKEH_TUNED_LIGHT_FULL -
-BOKEH_TUNED_LIGHT_START),0.0,1.0);
-let rim=clamp((brightness/max(darkest,0.0000001)-BOKEH_TUNED_RIM_START) /
-(BOKEH_TUNED_RIM_FULL-BOKEH_TUNED_RIM_START),0.0,1.0) *
-clamp(10.0*ratio-10.0,0.0,1.0);
-return vec4f(brightest.xy,dark,rim);
-}
-fn BokehBrightNeighbor(ColorSamp:texture_2d<f32>,uv:vec2f,imageSize:vec2f)->vec4f
-{
-let pixel=1.0/max(imageSize,vec2f(1.0,1.0));
-let right=vec2f(pixel.x,0.0);
-let below=vec2f(0.0,pixel.y);
-let brightest=BokehLightBeside(BokehFetchTexel(ColorSamp,BokehToTexture(uv)),
-BokehFetchTexel(ColorSamp,BokehToTexture(uv+right)),
-BokehFetchTexel(ColorSamp,BokehToTexture(uv-right)),
-BokehFetchTexel(ColorSamp,BokehToTexture(uv+below)),
-BokehFetchTexel(ColorSamp,BokehToTexture(uv-below)));
-return vec4f(brightest.xy*pixel,brightest.zw);
-}
-fn BokehLightCoC(CoC:f32,lightCoC:f32,weights:vec2f,imageHeight:f32)->f32
-{
+let dark=clamp((ratio-BOKEH_TUNED_LIGHT_START)/(BOKEH_TUNED_LIGHT_FULL -BOKEH_TUNED_LIGHT_START),0.,1.);
+let rim=clamp((brightness/max(darkest,.0000001)-BOKEH_TUNED_RIM_START) /
+(BOKEH_TUNED_RIM_FULL-BOKEH_TUNED_RIM_START),0.,1.) *clamp(10.*ratio-10.,0.,1.);
+return vec4f(brightest.xy,dark,rim);}
+fn BokehBrightNeighbor(ColorSamp:texture_2d<f32>,uv:vec2f,imageSize:vec2f)->vec4f{
+let pixel=1./max(imageSize,vec2f(1.,1.));
+let right=vec2f(pixel.x,0.);
+let below=vec2f(0.,pixel.y);
+let brightest=BokehLightBeside(BokehFetchTexel(ColorSamp,BokehToTexture(uv)),BokehFetchTexel(ColorSamp,BokehToTexture(uv+right)),BokehFetchTexel(ColorSamp,BokehToTexture(uv-right)),BokehFetchTexel(ColorSamp,BokehToTexture(uv+below)),BokehFetchTexel(ColorSamp,BokehToTexture(uv-below)));
+return vec4f(brightest.xy*pixel,brightest.zw);}
+fn BokehLightCoC(CoC:f32,lightCoC:f32,weights:vec2f,imageHeight:f32)->f32{
 let sharper=min(abs(CoC),abs(lightCoC));
-let dark=weights.x*clamp(sharper*imageHeight-1.0,0.0,1.0);
-let rim=weights.y*clamp(abs(CoC)*imageHeight-1.0,0.0,1.0);
+let dark=weights.x*clamp(sharper*imageHeight-1.,0.,1.);
+let rim=weights.y*clamp(abs(CoC)*imageHeight-1.,0.,1.);
 var weight=max(dark,rim);
-if(lightCoC < 0.0&&CoC > 0.0)
-{
-weight=floor(weight+0.5);
-}
-return CoC+(min(lightCoC,CoC)-CoC)*weight;
-}
-fn BokehSignedCoCMap(ColorSamp:texture_2d<f32>,DepthSamp:BokehDepthTexture,uv:vec2f,
-depthUV:vec2f,imageSize:vec2f,lens:BokehLens,kind:i32,planes:vec2f)->vec4f
-{
-var depth=BokehLinearDepth(BokehFetchDepth(DepthSamp,depthUV),kind,planes.x,
-planes.y);
+if(lightCoC<0.&&CoC>0.){
+weight=floor(weight+.5);}
+return CoC+(min(lightCoC,CoC)-CoC)*weight;}
+fn BokehSignedCoCMap(ColorSamp:texture_2d<f32>,DepthSamp:BokehDepthTexture,uv:vec2f,depthUV:vec2f,imageSize:vec2f,lens:BokehLens,kind:i32,planes:vec2f)->vec4f{
+var depth=BokehLinearDepth(BokehFetchDepth(DepthSamp,depthUV),kind,planes.x,planes.y);
 var CoC=BokehSignedCoC(depth,lens);
-if(abs(CoC)*imageSize.y > 1.0)
-{
+if(abs(CoC)*imageSize.y>1.){
 let neighbor=BokehBrightNeighbor(ColorSamp,uv,imageSize);
-if(max(neighbor.z,neighbor.w) > 0.0)
-{
+if(max(neighbor.z,neighbor.w)>0.){
 let offset=BokehToTexture(uv+neighbor.xy)-BokehToTexture(uv);
-depth=BokehLinearDepth(BokehFetchDepth(DepthSamp,depthUV+offset),kind,planes.x,
-planes.y);
-CoC=BokehLightCoC(CoC,BokehSignedCoC(depth,lens),neighbor.zw,imageSize.y);
-}
-}
-return BokehPackCoC(BokehFetchTexel(ColorSamp,BokehToTexture(uv)),CoC);
-}
-struct BokehSamplingSettings
-{
-aspectRatio:f32,
-imageHeight:f32,
-spacing:f32,
-jitter:f32,
-bleedingBias:f32,
-bleedingMult:f32,
-}
-fn BokehDefaultSampling(imageSize:vec2f)->BokehSamplingSettings
-{
+depth=BokehLinearDepth(BokehFetchDepth(DepthSamp,depthUV+offset),kind,planes.x,planes.y);
+CoC=BokehLightCoC(CoC,BokehSignedCoC(depth,lens),neighbor.zw,imageSize.y);}}
+return BokehPackCoC(BokehFetchTexel(ColorSamp,BokehToTexture(uv)),CoC);}
+struct BokehSamplingSettings{
+aspectRatio:f32,imageHeight:f32,spacing:f32,jitter:f32,bleedingBias:f32,bleedingMult:f32,}
+fn BokehDefaultSampling(imageSize:vec2f)->BokehSamplingSettings{
 var settings:BokehSamplingSettings;
 settings.aspectRatio=imageSize.x/imageSize.y;
 settings.imageHeight=imageSize.y;
 settings.spacing=BOKEH_SPACING;
-settings.jitter=0.0;
-settings.bleedingBias=0.02;
-settings.bleedingMult=30.0;
-return settings;
-}
-fn BokehFilterCoC(CoC:f32,imageHeight:f32)->f32
-{
+settings.jitter=0.;
+settings.bleedingBias=.02;
+settings.bleedingMult=30.;
+return settings;}
+fn BokehFilterCoC(CoC:f32,imageHeight:f32)->f32{
 var filterCoC=CoC;
-if(BOKEH_SPACING > 0.0)
-{
-filterCoC=CoC*clamp((CoC*imageHeight-0.5)*2.0,0.0,1.0);
-}
-return filterCoC;
-}
-fn BokehSampleCount(lengthInPixels:f32,spacing:f32)->f32
-{
+if(BOKEH_SPACING>0.){
+filterCoC=CoC*clamp((CoC*imageHeight-.5)*2.,0.,1.);}
+return filterCoC;}
+fn BokehSampleCount(lengthInPixels:f32,spacing:f32)->f32{
 var samples=f32(BOKEH_NUM_SAMPLES);
-if(BOKEH_SPACING > 0.0)
-{
-samples=clamp(lengthInPixels/spacing,1.0,f32(BOKEH_NUM_SAMPLES));
-}
-return samples;
-}
-fn BokehSignedLeakageWeight(sampleCoC:f32,centerCoC:f32,settings:BokehSamplingSettings)->f32
-{
-let scale=1.0/max(settings.bleedingBias,0.001);
-let rejected=clamp((centerCoC*scale-0.5)-abs(sampleCoC)*scale,0.0,1.0);
-let weight=clamp(abs(sampleCoC)*settings.bleedingMult,0.0,1.0);
-return 1.0-rejected*(1.0-weight*weight);
-}
-fn BokehResolved(sum:vec4f,centerPixel:vec4f)->vec4f
-{
+if(BOKEH_SPACING>0.){
+samples=clamp(lengthInPixels/spacing,1.,f32(BOKEH_NUM_SAMPLES));}
+return samples;}
+fn BokehSignedLeakageWeight(sampleCoC:f32,centerCoC:f32,settings:BokehSamplingSettings)->f32{
+let scale=1./max(settings.bleedingBias,.001);
+let rejected=clamp((centerCoC*scale-.5)-abs(sampleCoC)*scale,0.,1.);
+let weight=clamp(abs(sampleCoC)*settings.bleedingMult,0.,1.);
+return 1.-rejected*(1.-weight*weight);}
+fn BokehResolved(sum:vec4f,centerPixel:vec4f)->vec4f{
 var result=centerPixel;
-if(sum.a > 0.0)
-{
-result=vec4f(sum.rgb/sum.a,centerPixel.a);
-}
-return result;
-}
-struct BokehPolygon
-{
-sides:i32,
-axis:vec2f,
-squeeze:f32,
-lengths:vec4f,
-fifth:f32,
-corner:vec2f,
-mean:vec2f,
-area:f32,
-}
-struct BokehTargets
-{
-strip2:vec4f,
-strip3:vec4f,
-strip4:vec4f,
-strip5:vec4f,
-}
-fn BokehMakePolygon(sides:i32,rotation:f32,squeeze:f32)->BokehPolygon
-{
+if(sum.a>0.){
+result=vec4f(sum.rgb/sum.a,centerPixel.a);}
+return result;}
+struct BokehPolygon{
+sides:i32,axis:vec2f,squeeze:f32,lengths:vec4f,fifth:f32,corner:vec2f,mean:vec2f,area:f32,}
+struct BokehTargets{
+strip2:vec4f,strip3:vec4f,strip4:vec4f,strip5:vec4f,}
+fn BokehMakePolygon(sides:i32,rotation:f32,squeeze:f32)->BokehPolygon{
 let halfStep=3.14159265/f32(sides);
 let edge=sin(halfStep);
 var polygon:BokehPolygon;
@@ -2349,1406 +1584,842 @@ polygon.axis=vec2f(cos(rotation),sin(rotation));
 polygon.squeeze=squeeze;
 polygon.lengths=vec4f(edge,edge,edge,edge);
 polygon.fifth=edge;
-polygon.corner=vec2f(0.5*cos(halfStep),0.5*edge);
-polygon.mean=vec2f(0.0,0.5*cos(halfStep)*cos(halfStep)/(edge*(0.5*f32(sides) -
-1.0)));
-polygon.area=0.25*f32(sides)*edge*cos(halfStep);
-return polygon;
-}
-fn BokehRotated(direction:vec2f,axis:vec2f)->vec2f
-{
-return vec2f(direction.x*axis.x-direction.y*axis.y,direction.x*axis.y+direction.y *
-axis.x);
-}
-fn BokehTurn(k:f32,polygon:BokehPolygon)->vec2f
-{
+polygon.corner=vec2f(.5*cos(halfStep),.5*edge);
+polygon.mean=vec2f(0.,.5*cos(halfStep)*cos(halfStep)/(edge*(.5*f32(sides) -1.)));
+polygon.area=.25*f32(sides)*edge*cos(halfStep);
+return polygon;}
+fn BokehRotated(direction:vec2f,axis:vec2f)->vec2f{
+return vec2f(direction.x*axis.x-direction.y*axis.y,direction.x*axis.y+direction.y *axis.x);}
+fn BokehTurn(k:f32,polygon:BokehPolygon)->vec2f{
 let angle=6.28318531/f32(polygon.sides)*k;
-return vec2f(cos(angle),sin(angle));
-}
-fn BokehEdgeLength(k:i32,polygon:BokehPolygon)->f32
-{
+return vec2f(cos(angle),sin(angle));}
+fn BokehEdgeLength(k:i32,polygon:BokehPolygon)->f32{
 var edge=k;
-if(k > polygon.sides/2)
-{
-edge=k-polygon.sides/2;
-}
+if(k>polygon.sides/2){
+edge=k-polygon.sides/2;}
 var edgeLength=polygon.lengths.x;
-if(edge==2)
-{
-edgeLength=polygon.lengths.y;
-}
-else if(edge==3)
-{
-edgeLength=polygon.lengths.z;
-}
-else if(edge==4)
-{
-edgeLength=polygon.lengths.w;
-}
-else if(edge==5)
-{
-edgeLength=polygon.fifth;
-}
-return edgeLength;
-}
-fn BokehEdge(k:i32,polygon:BokehPolygon)->vec2f
-{
+if(edge==2){
+edgeLength=polygon.lengths.y;}
+else if(edge==3){
+edgeLength=polygon.lengths.z;}
+else if(edge==4){
+edgeLength=polygon.lengths.w;}
+else if(edge==5){
+edgeLength=polygon.fifth;}
+return edgeLength;}
+fn BokehEdge(k:i32,polygon:BokehPolygon)->vec2f{
 let outwards=BokehTurn(f32(k),polygon);
-return vec2f(-outwards.y,outwards.x)*BokehEdgeLength(k,polygon);
-}
-fn BokehEdgeLine(k:i32,polygon:BokehPolygon,secondPass:bool)->vec4f
-{
-let halfEdge=BokehEdge(k,polygon)*0.5;
+return vec2f(-outwards.y,outwards.x)*BokehEdgeLength(k,polygon);}
+fn BokehEdgeLine(k:i32,polygon:BokehPolygon,secondPass:bool)->vec4f{
+let halfEdge=BokehEdge(k,polygon)*.5;
 var middle=polygon.corner-polygon.mean+halfEdge;
-let before=clamp(f32(k)-vec4f(1.0,2.0,3.0,4.0),vec4f(0.0,0.0,0.0,0.0),
-vec4f(1.0,1.0,1.0,1.0));
-middle+=BokehEdge(1,polygon)*before.x+BokehEdge(2,polygon)*before.y+BokehEdge(3,
-polygon)*before.z+BokehEdge(4,polygon)*before.w;
-if(secondPass)
-{
-middle = -middle-polygon.corner;
-}
-let segment=vec4f(BokehRotated(middle,polygon.axis),BokehRotated(halfEdge,
-polygon.axis));
-return segment*vec4f(polygon.squeeze,1.0,polygon.squeeze,1.0);
-}
-fn BokehEdgeWeights(k:i32,polygon:BokehPolygon)->vec4f
-{
+let before=clamp(f32(k)-vec4f(1.,2.,3.,4.),vec4f(0.,0.,0.,0.),vec4f(1.,1.,1.,1.));
+middle+=BokehEdge(1,polygon)*before.x+BokehEdge(2,polygon)*before.y+BokehEdge(3,polygon)*before.z+BokehEdge(4,polygon)*before.w;
+if(secondPass){
+middle = -middle-polygon.corner;}
+let segment=vec4f(BokehRotated(middle,polygon.axis),BokehRotated(halfEdge,polygon.axis));
+return segment*vec4f(polygon.squeeze,1.,polygon.squeeze,1.);}
+fn BokehEdgeWeights(k:i32,polygon:BokehPolygon)->vec4f{
 let angle=6.28318531/f32(polygon.sides);
-let steps=max(vec4f(f32(k)-1.0,f32(k)-2.0,f32(k)-3.0,f32(k)-4.0),vec4f(0.0,
-0.0,0.0,0.0));
-return max(sin(steps*angle),vec4f(0.0,0.0,0.0,0.0))*polygon.lengths;
-}
-fn BokehEdgeArea(k:i32,polygon:BokehPolygon)->f32
-{
-return dot(BokehEdgeWeights(k,polygon),vec4f(1.0,1.0,1.0,1.0))*BokehEdgeLength(k,
-polygon);
-}
-fn BokehRay(k:i32,polygon:BokehPolygon,secondPass:bool)->vec4f
-{
-var halfEdge=BokehEdge(k,polygon) * -0.5;
-if(k==2)
-{
-halfEdge = -halfEdge;
-}
+let steps=max(vec4f(f32(k)-1.,f32(k)-2.,f32(k)-3.,f32(k)-4.),vec4f(0.,0.,0.,0.));
+return max(sin(steps*angle),vec4f(0.,0.,0.,0.))*polygon.lengths;}
+fn BokehEdgeArea(k:i32,polygon:BokehPolygon)->f32{
+return dot(BokehEdgeWeights(k,polygon),vec4f(1.,1.,1.,1.))*BokehEdgeLength(k,polygon);}
+fn BokehRay(k:i32,polygon:BokehPolygon,secondPass:bool)->vec4f{
+var halfEdge=BokehEdge(k,polygon) * -.5;
+if(k==2){
+halfEdge = -halfEdge;}
 var middle=halfEdge;
-if(secondPass)
-{
-middle-=polygon.corner+BokehEdge(2,polygon);
-}
-let segment=vec4f(BokehRotated(middle,polygon.axis),BokehRotated(halfEdge,
-polygon.axis));
-return segment*vec4f(polygon.squeeze,1.0,polygon.squeeze,1.0);
-}
-fn BokehNearRayWeight(ratio:f32)->f32
-{
-return clamp(max(BOKEH_TUNED_SHARP_WEIGHT+4.0*ratio,-ratio),BOKEH_TUNED_SHARP_WEIGHT,
-1.0);
-}
-fn BokehFarRayWeight(ratio:f32,samples:f32,i:i32)->vec2f
-{
-let part=min(abs(ratio),1.0);
-let reached=clamp(part*samples-f32(i),0.0,1.0);
-return vec2f(reached/max(part,BOKEH_TUNED_DENSE_RATIO),reached);
-}
-struct BokehLine
-{
-sum:vec4f,
-reached:f32,
-}
-fn BokehLineSum(tex:texture_2d<f32>,uv:vec2f,k:i32,polygon:BokehPolygon,secondPass:bool,
-rays:bool,centerPixel:vec4f,settings:BokehSamplingSettings,
-BokehLinearClamp:sampler)->BokehLine
-{
-var sum=vec4f(0.0,0.0,0.0,0.0);
-var reached=0.0;
+if(secondPass){
+middle-=polygon.corner+BokehEdge(2,polygon);}
+let segment=vec4f(BokehRotated(middle,polygon.axis),BokehRotated(halfEdge,polygon.axis));
+return segment*vec4f(polygon.squeeze,1.,polygon.squeeze,1.);}
+fn BokehNearRayWeight(ratio:f32)->f32{
+return clamp(max(BOKEH_TUNED_SHARP_WEIGHT+4.*ratio,-ratio),BOKEH_TUNED_SHARP_WEIGHT,1.);}
+fn BokehFarRayWeight(ratio:f32,samples:f32,i:i32)->vec2f{
+let part=min(abs(ratio),1.);
+let reached=clamp(part*samples-f32(i),0.,1.);
+return vec2f(reached/max(part,BOKEH_TUNED_DENSE_RATIO),reached);}
+struct BokehLine{
+sum:vec4f,reached:f32,}
+fn BokehLineSum(tex:texture_2d<f32>,uv:vec2f,k:i32,polygon:BokehPolygon,secondPass:bool,rays:bool,centerPixel:vec4f,settings:BokehSamplingSettings,BokehLinearClamp:sampler)->BokehLine{
+var sum=vec4f(0.,0.,0.,0.);
+var reached=0.;
 let centerCoC=centerPixel.a;
 let CoC=BokehFilterCoC(abs(centerCoC),settings.imageHeight);
-if(CoC > 0.0)
-{
+if(CoC>0.){
 var segment=BokehEdgeLine(k,polygon,secondPass);
-if(rays)
-{
-segment=BokehRay(k,polygon,secondPass);
-}
-let lengthInPixels=2.0*length(segment.zw)*CoC*settings.imageHeight;
+if(rays){
+segment=BokehRay(k,polygon,secondPass);}
+let lengthInPixels=2.*length(segment.zw)*CoC*settings.imageHeight;
 let samples=BokehSampleCount(lengthInPixels,settings.spacing);
-let phase=0.5+settings.jitter*clamp(lengthInPixels/samples-1.0,0.0,1.0);
+let phase=.5+settings.jitter*clamp(lengthInPixels/samples-1.,0.,1.);
 let scale=vec2f(CoC/settings.aspectRatio,CoC);
 let first=uv+(segment.xy-segment.zw)*scale;
-let sampleStep=segment.zw*scale*(2.0/samples);
-let inverseCoC=1.0/centerCoC;
-for(var i=0;i < BOKEH_NUM_SAMPLES;i++)
-{
-if(BOKEH_SPACING > 0.0&&f32(i) >= samples)
-{
-break;
-}
-let part=clamp(samples-f32(i),0.0,1.0);
-let samplePixel=BokehFetch(tex,first+sampleStep*(f32(i)+part*phase),
-BokehLinearClamp);
-if(rays)
-{
+let sampleStep=segment.zw*scale*(2./samples);
+let inverseCoC=1./centerCoC;
+for(var i=0;i<BOKEH_NUM_SAMPLES;i++){
+if(BOKEH_SPACING>0.&&f32(i)>=samples){
+break;}
+let part=clamp(samples-f32(i),0.,1.);
+let samplePixel=BokehFetch(tex,first+sampleStep*(f32(i)+part*phase),BokehLinearClamp);
+if(rays){
 let ratio=samplePixel.a*inverseCoC;
-if(centerCoC < 0.0)
-{
-sum+=vec4f(samplePixel.rgb,1.0)*(part*BokehNearRayWeight(ratio));
-}
-else
-{
+if(centerCoC<0.){
+sum+=vec4f(samplePixel.rgb,1.)*(part*BokehNearRayWeight(ratio));}
+else{
 let weights=BokehFarRayWeight(ratio,samples,i);
-sum+=vec4f(samplePixel.rgb,1.0)*weights.x;
-reached+=(samplePixel.r+samplePixel.g+samplePixel.b)*weights.y;
-}
-}
-else
-{
-let weight=part*BokehSignedLeakageWeight(samplePixel.a,centerCoC,
-settings);
-sum+=vec4f(samplePixel.rgb,1.0)*weight;
-}
-}
-if(rays)
-{
-let excess=max(sum.a-samples,0.0);
+sum+=vec4f(samplePixel.rgb,1.)*weights.x;
+reached+=(samplePixel.r+samplePixel.g+samplePixel.b)*weights.y;}}
+else{
+let weight=part*BokehSignedLeakageWeight(samplePixel.a,centerCoC,settings);
+sum+=vec4f(samplePixel.rgb,1.)*weight;}}
+if(rays){
+let excess=max(sum.a-samples,0.);
 let mean=sum/max(sum.a,samples);
-let removed=min(vec4f(centerPixel.rgb,1.0),mean)*excess;
+let removed=min(vec4f(centerPixel.rgb,1.),mean)*excess;
 sum-=removed;
-reached=max(reached-removed.r-removed.g-removed.b,0.0);
-}
+reached=max(reached-removed.r-removed.g-removed.b,0.);}
 sum=sum/samples;
 reached=reached/samples;
-if(secondPass)
-{
-sum*=BokehEdgeArea(k,polygon);
-}
-}
+if(secondPass){
+sum*=BokehEdgeArea(k,polygon);}}
 var result:BokehLine;
 result.sum=sum;
 result.reached=reached;
-return result;
-}
-fn BokehExactTarget(k:i32,polygon:BokehPolygon,rays:bool,L1:BokehLine,L2:BokehLine,
-L3:BokehLine,L4:BokehLine,centerPixel:vec4f)->vec4f
-{
+return result;}
+fn BokehExactTarget(k:i32,polygon:BokehPolygon,rays:bool,L1:BokehLine,L2:BokehLine,L3:BokehLine,L4:BokehLine,centerPixel:vec4f)->vec4f{
 let weights=BokehEdgeWeights(k,polygon);
-let sum=L1.sum*weights.x+L2.sum*weights.y+L3.sum*weights.z+L4.sum *
-weights.w;
+let sum=L1.sum*weights.x+L2.sum*weights.y+L3.sum*weights.z+L4.sum *weights.w;
 var result=BokehResolved(sum,centerPixel);
 let gathered=sum.r+sum.g+sum.b;
-if(rays&&centerPixel.a > 0.0&&gathered > 0.0)
-{
+if(rays&&centerPixel.a>0.&&gathered>0.){
 let reached=dot(vec4f(L1.reached,L2.reached,L3.reached,L4.reached),weights);
-result=vec4f(result.rgb,result.a*min(reached/gathered*1.001,1.0));
-}
-return result;
-}
-fn BokehExactFirst(MapSamp:texture_2d<f32>,uv:vec2f,last:i32,polygon:BokehPolygon,
-settings:BokehSamplingSettings,BokehLinearClamp:sampler)->BokehTargets
-{
+result=vec4f(result.rgb,result.a*min(reached/gathered*1.001,1.));}
+return result;}
+fn BokehExactFirst(MapSamp:texture_2d<f32>,uv:vec2f,last:i32,polygon:BokehPolygon,settings:BokehSamplingSettings,BokehLinearClamp:sampler)->BokehTargets{
 let centerPixel=BokehFetch(MapSamp,uv,BokehLinearClamp);
 var rays=false;
-if(last < 4)
-{
-rays=polygon.sides==6;
-}
-let L1=BokehLineSum(MapSamp,uv,1,polygon,false,rays,centerPixel,settings,
-BokehLinearClamp);
+if(last<4){
+rays=polygon.sides==6;}
+let L1=BokehLineSum(MapSamp,uv,1,polygon,false,rays,centerPixel,settings,BokehLinearClamp);
 var L2:BokehLine;
-L2.sum=vec4f(0.0,0.0,0.0,0.0);
-L2.reached=0.0;
+L2.sum=vec4f(0.,0.,0.,0.);
+L2.reached=0.;
 var L3=L2;
 var L4=L2;
-if(last > 2)
-{
-L2=BokehLineSum(MapSamp,uv,2,polygon,false,rays,centerPixel,settings,
-BokehLinearClamp);
-}
-if(last > 3)
-{
-L3=BokehLineSum(MapSamp,uv,3,polygon,false,rays,centerPixel,settings,
-BokehLinearClamp);
-}
-if(last > 4)
-{
-L4=BokehLineSum(MapSamp,uv,4,polygon,false,rays,centerPixel,settings,
-BokehLinearClamp);
-}
+if(last>2){
+L2=BokehLineSum(MapSamp,uv,2,polygon,false,rays,centerPixel,settings,BokehLinearClamp);}
+if(last>3){
+L3=BokehLineSum(MapSamp,uv,3,polygon,false,rays,centerPixel,settings,BokehLinearClamp);}
+if(last>4){
+L4=BokehLineSum(MapSamp,uv,4,polygon,false,rays,centerPixel,settings,BokehLinearClamp);}
 var targets:BokehTargets;
 targets.strip2=BokehExactTarget(2,polygon,rays,L1,L2,L3,L4,centerPixel);
 targets.strip3=BokehExactTarget(3,polygon,rays,L1,L2,L3,L4,centerPixel);
 targets.strip4=BokehExactTarget(4,polygon,rays,L1,L2,L3,L4,centerPixel);
 targets.strip5=BokehExactTarget(5,polygon,rays,L1,L2,L3,L4,centerPixel);
-return targets;
-}
-fn BokehSquareFirst(MapSamp:texture_2d<f32>,uv:vec2f,polygon:BokehPolygon,
-settings:BokehSamplingSettings,BokehLinearClamp:sampler)->BokehTargets
-{
-return BokehExactFirst(MapSamp,uv,2,polygon,settings,BokehLinearClamp);
-}
-fn BokehSquareSecond(Strip2Samp:texture_2d<f32>,uv:vec2f,polygon:BokehPolygon,
-settings:BokehSamplingSettings,BokehLinearClamp:sampler)->vec4f
-{
+return targets;}
+fn BokehSquareFirst(MapSamp:texture_2d<f32>,uv:vec2f,polygon:BokehPolygon,settings:BokehSamplingSettings,BokehLinearClamp:sampler)->BokehTargets{
+return BokehExactFirst(MapSamp,uv,2,polygon,settings,BokehLinearClamp);}
+fn BokehSquareSecond(Strip2Samp:texture_2d<f32>,uv:vec2f,polygon:BokehPolygon,settings:BokehSamplingSettings,BokehLinearClamp:sampler)->vec4f{
 let pixel=BokehFetch(Strip2Samp,uv,BokehLinearClamp);
-let L2=BokehLineSum(Strip2Samp,uv,2,polygon,true,false,pixel,settings,
-BokehLinearClamp);
-return BokehResolved(L2.sum,pixel);
-}
-fn BokehHexagonFirst(MapSamp:texture_2d<f32>,uv:vec2f,polygon:BokehPolygon,
-settings:BokehSamplingSettings,BokehLinearClamp:sampler)->BokehTargets
-{
-return BokehExactFirst(MapSamp,uv,3,polygon,settings,BokehLinearClamp);
-}
-fn BokehHexagonSecond(Strip2Samp:texture_2d<f32>,Strip3Samp:texture_2d<f32>,uv:vec2f,
-polygon:BokehPolygon,settings:BokehSamplingSettings,BokehLinearClamp:sampler)->vec4f
-{
+let L2=BokehLineSum(Strip2Samp,uv,2,polygon,true,false,pixel,settings,BokehLinearClamp);
+return BokehResolved(L2.sum,pixel);}
+fn BokehHexagonFirst(MapSamp:texture_2d<f32>,uv:vec2f,polygon:BokehPolygon,settings:BokehSamplingSettings,BokehLinearClamp:sampler)->BokehTargets{
+return BokehExactFirst(MapSamp,uv,3,polygon,settings,BokehLinearClamp);}
+fn BokehHexagonSecond(Strip2Samp:texture_2d<f32>,Strip3Samp:texture_2d<f32>,uv:vec2f,polygon:BokehPolygon,settings:BokehSamplingSettings,BokehLinearClamp:sampler)->vec4f{
 let pixel=BokehFetch(Strip2Samp,uv,BokehLinearClamp);
-let L2=BokehLineSum(Strip2Samp,uv,2,polygon,true,true,pixel,settings,
-BokehLinearClamp);
-let L3=BokehLineSum(Strip3Samp,uv,3,polygon,true,true,pixel,settings,
-BokehLinearClamp);
-return BokehResolved(L2.sum+L3.sum,pixel);
-}
-fn BokehOctagonFirst(MapSamp:texture_2d<f32>,uv:vec2f,polygon:BokehPolygon,
-settings:BokehSamplingSettings,BokehLinearClamp:sampler)->BokehTargets
-{
-return BokehExactFirst(MapSamp,uv,4,polygon,settings,BokehLinearClamp);
-}
-fn BokehOctagonSecond(Strip2Samp:texture_2d<f32>,Strip3Samp:texture_2d<f32>,
-Strip4Samp:texture_2d<f32>,uv:vec2f,polygon:BokehPolygon,settings:BokehSamplingSettings,
-BokehLinearClamp:sampler)->vec4f
-{
+let L2=BokehLineSum(Strip2Samp,uv,2,polygon,true,true,pixel,settings,BokehLinearClamp);
+let L3=BokehLineSum(Strip3Samp,uv,3,polygon,true,true,pixel,settings,BokehLinearClamp);
+return BokehResolved(L2.sum+L3.sum,pixel);}
+fn BokehOctagonFirst(MapSamp:texture_2d<f32>,uv:vec2f,polygon:BokehPolygon,settings:BokehSamplingSettings,BokehLinearClamp:sampler)->BokehTargets{
+return BokehExactFirst(MapSamp,uv,4,polygon,settings,BokehLinearClamp);}
+fn BokehOctagonSecond(Strip2Samp:texture_2d<f32>,Strip3Samp:texture_2d<f32>,Strip4Samp:texture_2d<f32>,uv:vec2f,polygon:BokehPolygon,settings:BokehSamplingSettings,BokehLinearClamp:sampler)->vec4f{
 let pixel=BokehFetch(Strip2Samp,uv,BokehLinearClamp);
-let L2=BokehLineSum(Strip2Samp,uv,2,polygon,true,false,pixel,settings,
-BokehLinearClamp);
-let L3=BokehLineSum(Strip3Samp,uv,3,polygon,true,false,pixel,settings,
-BokehLinearClamp);
-let L4=BokehLineSum(Strip4Samp,uv,4,polygon,true,false,pixel,settings,
-BokehLinearClamp);
-return BokehResolved(L2.sum+L3.sum+L4.sum,pixel);
-}
-fn BokehDecagonFirst(MapSamp:texture_2d<f32>,uv:vec2f,polygon:BokehPolygon,
-settings:BokehSamplingSettings,BokehLinearClamp:sampler)->BokehTargets
-{
-return BokehExactFirst(MapSamp,uv,5,polygon,settings,BokehLinearClamp);
-}
-fn BokehDecagonSecond(Strip2Samp:texture_2d<f32>,Strip3Samp:texture_2d<f32>,
-Strip4Samp:texture_2d<f32>,Strip5Samp:texture_2d<f32>,uv:vec2f,polygon:BokehPolygon,
-settings:BokehSamplingSettings,BokehLinearClamp:sampler)->vec4f
-{
+let L2=BokehLineSum(Strip2Samp,uv,2,polygon,true,false,pixel,settings,BokehLinearClamp);
+let L3=BokehLineSum(Strip3Samp,uv,3,polygon,true,false,pixel,settings,BokehLinearClamp);
+let L4=BokehLineSum(Strip4Samp,uv,4,polygon,true,false,pixel,settings,BokehLinearClamp);
+return BokehResolved(L2.sum+L3.sum+L4.sum,pixel);}
+fn BokehDecagonFirst(MapSamp:texture_2d<f32>,uv:vec2f,polygon:BokehPolygon,settings:BokehSamplingSettings,BokehLinearClamp:sampler)->BokehTargets{
+return BokehExactFirst(MapSamp,uv,5,polygon,settings,BokehLinearClamp);}
+fn BokehDecagonSecond(Strip2Samp:texture_2d<f32>,Strip3Samp:texture_2d<f32>,Strip4Samp:texture_2d<f32>,Strip5Samp:texture_2d<f32>,uv:vec2f,polygon:BokehPolygon,settings:BokehSamplingSettings,BokehLinearClamp:sampler)->vec4f{
 let pixel=BokehFetch(Strip2Samp,uv,BokehLinearClamp);
-let L2=BokehLineSum(Strip2Samp,uv,2,polygon,true,false,pixel,settings,
-BokehLinearClamp);
-let L3=BokehLineSum(Strip3Samp,uv,3,polygon,true,false,pixel,settings,
-BokehLinearClamp);
-let L4=BokehLineSum(Strip4Samp,uv,4,polygon,true,false,pixel,settings,
-BokehLinearClamp);
-let L5=BokehLineSum(Strip5Samp,uv,5,polygon,true,false,pixel,settings,
-BokehLinearClamp);
-return BokehResolved(L2.sum+L3.sum+L4.sum+L5.sum,pixel);
-}
+let L2=BokehLineSum(Strip2Samp,uv,2,polygon,true,false,pixel,settings,BokehLinearClamp);
+let L3=BokehLineSum(Strip3Samp,uv,3,polygon,true,false,pixel,settings,BokehLinearClamp);
+let L4=BokehLineSum(Strip4Samp,uv,4,polygon,true,false,pixel,settings,BokehLinearClamp);
+let L5=BokehLineSum(Strip5Samp,uv,5,polygon,true,false,pixel,settings,BokehLinearClamp);
+return BokehResolved(L2.sum+L3.sum+L4.sum+L5.sum,pixel);}
 `,
   bokeh_paper: `
 override BOKEH_PAPER_SAMPLES: i32 = 13;
-fn BokehPaperDepth(DepthSamp:BokehDepthTexture,uv:vec2f)->f32
-{
-return BokehSanitize(BokehFetchDepth(DepthSamp,BokehToTexture(uv)).x,BOKEH_MIN_DEPTH,
-BOKEH_MAX_DEPTH);
-}
-fn BokehCoCMap(ColorSamp:texture_2d<f32>,DepthSamp:BokehDepthTexture,uv:vec2f,
-lens:BokehLens)->vec4f
-{
-return BokehPackCoC(BokehFetchTexel(ColorSamp,BokehToTexture(uv)),
-abs(BokehSignedCoC(BokehPaperDepth(DepthSamp,uv),lens)));
-}
-fn BokehLineEnd(angle:f32,aspectRatio:f32)->vec2f
-{
-return vec2f(0.5*cos(angle)/aspectRatio,0.5*sin(angle));
-}
-fn BokehMakeOffsets(lineEnd:vec2f,i:i32,numSamples:i32)->vec2f
-{
+fn BokehPaperDepth(DepthSamp:BokehDepthTexture,uv:vec2f)->f32{
+return BokehSanitize(BokehFetchDepth(DepthSamp,BokehToTexture(uv)).x,BOKEH_MIN_DEPTH,BOKEH_MAX_DEPTH);}
+fn BokehCoCMap(ColorSamp:texture_2d<f32>,DepthSamp:BokehDepthTexture,uv:vec2f,lens:BokehLens)->vec4f{
+return BokehPackCoC(BokehFetchTexel(ColorSamp,BokehToTexture(uv)),abs(BokehSignedCoC(BokehPaperDepth(DepthSamp,uv),lens)));}
+fn BokehLineEnd(angle:f32,aspectRatio:f32)->vec2f{
+return vec2f(.5*cos(angle)/aspectRatio,.5*sin(angle));}
+fn BokehMakeOffsets(lineEnd:vec2f,i:i32,numSamples:i32)->vec2f{
 let last=max(numSamples,2)-1;
 let t=f32(2*i-last)/f32(last);
-return lineEnd*t;
-}
-fn BokehSegment(angle:f32,lineLength:f32,lineCenter:vec2f,squeeze:f32)->vec4f
-{
-let halfLine=vec2f(cos(angle),sin(angle))*0.5*lineLength;
-return vec4f(lineCenter,halfLine)*vec4f(squeeze,1.0,squeeze,1.0);
-}
-fn BokehLeakageWeight(sampleDepth:f32,sampleCoC:f32,centerDepth:f32,centerCoC:f32,
-settings:BokehSamplingSettings)->f32
-{
-var weight=1.0;
-if(sampleDepth < centerDepth&&centerCoC > sampleCoC+settings.bleedingBias)
-{
-weight=clamp(sampleCoC*settings.bleedingMult,0.0,1.0);
-}
-return weight;
-}
-fn BokehResolve(color:vec4f,totalWeight:f32,centerPixel:vec4f,blurCoC:bool)->vec4f
-{
+return lineEnd*t;}
+fn BokehSegment(angle:f32,lineLength:f32,lineCenter:vec2f,squeeze:f32)->vec4f{
+let halfLine=vec2f(cos(angle),sin(angle))*.5*lineLength;
+return vec4f(lineCenter,halfLine)*vec4f(squeeze,1.,squeeze,1.);}
+fn BokehLeakageWeight(sampleDepth:f32,sampleCoC:f32,centerDepth:f32,centerCoC:f32,settings:BokehSamplingSettings)->f32{
+var weight=1.;
+if(sampleDepth<centerDepth&&centerCoC>sampleCoC+settings.bleedingBias){
+weight=clamp(sampleCoC*settings.bleedingMult,0.,1.);}
+return weight;}
+fn BokehResolve(color:vec4f,totalWeight:f32,centerPixel:vec4f,blurCoC:bool)->vec4f{
 var result=centerPixel;
-if(totalWeight > 0.0)
-{
-result=color/totalWeight;
-}
-if(!blurCoC)
-{
-result=vec4f(result.rgb,centerPixel.a);
-}
-return result;
-}
-fn BokehDepthOfField(ColorSamp:texture_2d<f32>,DepthSamp:BokehDepthTexture,uv:vec2f,
-lineEnd:vec2f,settings:BokehSamplingSettings,blurCoC:bool,
-BokehLinearClamp:sampler)->vec4f
-{
+if(totalWeight>0.){
+result=color/totalWeight;}
+if(!blurCoC){
+result=vec4f(result.rgb,centerPixel.a);}
+return result;}
+fn BokehDepthOfField(ColorSamp:texture_2d<f32>,DepthSamp:BokehDepthTexture,uv:vec2f,lineEnd:vec2f,settings:BokehSamplingSettings,blurCoC:bool,BokehLinearClamp:sampler)->vec4f{
 let centerPixel=BokehFetch(ColorSamp,uv,BokehLinearClamp);
 let centerDepth=BokehPaperDepth(DepthSamp,uv);
-var color=vec4f(0.0,0.0,0.0,0.0);
-var totalWeight=0.0;
-for(var i=0;i < BOKEH_PAPER_SAMPLES;i++)
-{
+var color=vec4f(0.,0.,0.,0.);
+var totalWeight=0.;
+for(var i=0;i<BOKEH_PAPER_SAMPLES;i++){
 let offset=BokehMakeOffsets(lineEnd,i,BOKEH_PAPER_SAMPLES);
 let sampleCoords=uv+offset*centerPixel.a;
 let samplePixel=BokehFetch(ColorSamp,sampleCoords,BokehLinearClamp);
 let sampleDepth=BokehFetchDepth(DepthSamp,BokehToTexture(sampleCoords)).x;
-let weight=BokehLeakageWeight(sampleDepth,samplePixel.a,centerDepth,centerPixel.a,
-settings);
+let weight=BokehLeakageWeight(sampleDepth,samplePixel.a,centerDepth,centerPixel.a,settings);
 color+=samplePixel*weight;
-totalWeight+=weight;
-}
-return BokehResolve(color,totalWeight,centerPixel,blurCoC);
-}
-fn BokehDepthOfFieldAdaptive(ColorSamp:texture_2d<f32>,DepthSamp:BokehDepthTexture,uv:vec2f,
-segment:vec4f,settings:BokehSamplingSettings,blurCoC:bool,
-BokehLinearClamp:sampler)->vec4f
-{
+totalWeight+=weight;}
+return BokehResolve(color,totalWeight,centerPixel,blurCoC);}
+fn BokehDepthOfFieldAdaptive(ColorSamp:texture_2d<f32>,DepthSamp:BokehDepthTexture,uv:vec2f,segment:vec4f,settings:BokehSamplingSettings,blurCoC:bool,BokehLinearClamp:sampler)->vec4f{
 let centerPixel=BokehFetch(ColorSamp,uv,BokehLinearClamp);
 var result=centerPixel;
 let CoC=BokehFilterCoC(centerPixel.a,settings.imageHeight);
-if(CoC > 0.0)
-{
+if(CoC>0.){
 let centerDepth=BokehPaperDepth(DepthSamp,uv);
-let lengthInPixels=2.0*length(segment.zw)*CoC*settings.imageHeight;
+let lengthInPixels=2.*length(segment.zw)*CoC*settings.imageHeight;
 let samples=BokehSampleCount(lengthInPixels,settings.spacing);
-let phase=0.5+settings.jitter*clamp(lengthInPixels/samples-1.0,0.0,1.0);
+let phase=.5+settings.jitter*clamp(lengthInPixels/samples-1.,0.,1.);
 let scale=vec2f(CoC/settings.aspectRatio,CoC);
 let first=uv+(segment.xy-segment.zw)*scale;
-let sampleStep=segment.zw*scale*(2.0/samples);
-var color=vec4f(0.0,0.0,0.0,0.0);
-var totalWeight=0.0;
-for(var i=0;i < BOKEH_NUM_SAMPLES;i++)
-{
-if(BOKEH_SPACING > 0.0&&f32(i) >= samples)
-{
-break;
-}
-let part=clamp(samples-f32(i),0.0,1.0);
+let sampleStep=segment.zw*scale*(2./samples);
+var color=vec4f(0.,0.,0.,0.);
+var totalWeight=0.;
+for(var i=0;i<BOKEH_NUM_SAMPLES;i++){
+if(BOKEH_SPACING>0.&&f32(i)>=samples){
+break;}
+let part=clamp(samples-f32(i),0.,1.);
 let sampleCoords=first+sampleStep*(f32(i)+part*phase);
 let samplePixel=BokehFetch(ColorSamp,sampleCoords,BokehLinearClamp);
 let sampleDepth=BokehFetchDepth(DepthSamp,BokehToTexture(sampleCoords)).x;
-let weight=part*BokehLeakageWeight(sampleDepth,samplePixel.a,centerDepth,
-centerPixel.a,settings);
+let weight=part*BokehLeakageWeight(sampleDepth,samplePixel.a,centerDepth,centerPixel.a,settings);
 color+=samplePixel*weight;
-totalWeight+=weight;
-}
-result=BokehResolve(color,totalWeight,centerPixel,blurCoC);
-}
-return result;
-}
-fn BokehCombine(a:vec4f,b:vec4f,useMax:bool)->vec4f
-{
+totalWeight+=weight;}
+result=BokehResolve(color,totalWeight,centerPixel,blurCoC);}
+return result;}
+fn BokehCombine(a:vec4f,b:vec4f,useMax:bool)->vec4f{
 var result=min(a,b);
-if(useMax)
-{
-result=max(a,b);
-}
-return result;
-}
-fn BokehDepthOfFieldFinal(ColorSamp:texture_2d<f32>,DepthSamp:BokehDepthTexture,
-CompareSamp:texture_2d<f32>,uv:vec2f,lineEnd:vec2f,settings:BokehSamplingSettings,
-blurCoC:bool,useMax:bool,BokehLinearClamp:sampler)->vec4f
-{
-let a=BokehDepthOfField(ColorSamp,DepthSamp,uv,lineEnd,settings,blurCoC,
-BokehLinearClamp);
-return BokehCombine(a,BokehFetch(CompareSamp,uv,BokehLinearClamp),useMax);
-}
-fn BokehNaiveGather(ColorSamp:texture_2d<f32>,DepthSamp:BokehDepthTexture,
-KernelSamp:texture_2d<f32>,uv:vec2f,settings:BokehSamplingSettings,blurCoC:bool,
-BokehLinearClamp:sampler)->vec4f
-{
+if(useMax){
+result=max(a,b);}
+return result;}
+fn BokehDepthOfFieldFinal(ColorSamp:texture_2d<f32>,DepthSamp:BokehDepthTexture,CompareSamp:texture_2d<f32>,uv:vec2f,lineEnd:vec2f,settings:BokehSamplingSettings,blurCoC:bool,useMax:bool,BokehLinearClamp:sampler)->vec4f{
+let a=BokehDepthOfField(ColorSamp,DepthSamp,uv,lineEnd,settings,blurCoC,BokehLinearClamp);
+return BokehCombine(a,BokehFetch(CompareSamp,uv,BokehLinearClamp),useMax);}
+fn BokehNaiveGather(ColorSamp:texture_2d<f32>,DepthSamp:BokehDepthTexture,KernelSamp:texture_2d<f32>,uv:vec2f,settings:BokehSamplingSettings,blurCoC:bool,BokehLinearClamp:sampler)->vec4f{
 let centerPixel=BokehFetch(ColorSamp,uv,BokehLinearClamp);
 let centerDepth=BokehPaperDepth(DepthSamp,uv);
 let scale=vec2f(centerPixel.a/settings.aspectRatio,centerPixel.a);
-var color=vec4f(0.0,0.0,0.0,0.0);
-var totalWeight=0.0;
-for(var i=0;i < BOKEH_PAPER_SAMPLES;i++)
-{
-let offset=BokehFetchTexel(KernelSamp,vec2f((f32(i)+0.5) /
-f32(BOKEH_PAPER_SAMPLES),0.5)).rg;
+var color=vec4f(0.,0.,0.,0.);
+var totalWeight=0.;
+for(var i=0;i<BOKEH_PAPER_SAMPLES;i++){
+let offset=BokehFetchTexel(KernelSamp,vec2f((f32(i)+.5) /
+f32(BOKEH_PAPER_SAMPLES),.5)).rg;
 let sampleCoords=uv+offset*scale;
 let samplePixel=BokehFetch(ColorSamp,sampleCoords,BokehLinearClamp);
 let sampleDepth=BokehFetchDepth(DepthSamp,BokehToTexture(sampleCoords)).x;
-let weight=BokehLeakageWeight(sampleDepth,samplePixel.a,centerDepth,centerPixel.a,
-settings);
+let weight=BokehLeakageWeight(sampleDepth,samplePixel.a,centerDepth,centerPixel.a,settings);
 color+=samplePixel*weight;
-totalWeight+=weight;
-}
-return BokehResolve(color,totalWeight,centerPixel,blurCoC);
-}
-fn BokehNaiveGrid(ColorSamp:texture_2d<f32>,DepthSamp:BokehDepthTexture,uv:vec2f,
-lineEndU:vec2f,lineEndV:vec2f,settings:BokehSamplingSettings,blurCoC:bool,
-BokehLinearClamp:sampler)->vec4f
-{
+totalWeight+=weight;}
+return BokehResolve(color,totalWeight,centerPixel,blurCoC);}
+fn BokehNaiveGrid(ColorSamp:texture_2d<f32>,DepthSamp:BokehDepthTexture,uv:vec2f,lineEndU:vec2f,lineEndV:vec2f,settings:BokehSamplingSettings,blurCoC:bool,BokehLinearClamp:sampler)->vec4f{
 let centerPixel=BokehFetch(ColorSamp,uv,BokehLinearClamp);
 let centerDepth=BokehPaperDepth(DepthSamp,uv);
-var color=vec4f(0.0,0.0,0.0,0.0);
-var totalWeight=0.0;
-for(var j=0;j < BOKEH_PAPER_SAMPLES;j++)
-{
+var color=vec4f(0.,0.,0.,0.);
+var totalWeight=0.;
+for(var j=0;j<BOKEH_PAPER_SAMPLES;j++){
 let rowOffset=BokehMakeOffsets(lineEndV,j,BOKEH_PAPER_SAMPLES);
-for(var i=0;i < BOKEH_PAPER_SAMPLES;i++)
-{
+for(var i=0;i<BOKEH_PAPER_SAMPLES;i++){
 let offset=rowOffset+BokehMakeOffsets(lineEndU,i,BOKEH_PAPER_SAMPLES);
 let sampleCoords=uv+offset*centerPixel.a;
 let samplePixel=BokehFetch(ColorSamp,sampleCoords,BokehLinearClamp);
 let sampleDepth=BokehFetchDepth(DepthSamp,BokehToTexture(sampleCoords)).x;
-let weight=BokehLeakageWeight(sampleDepth,samplePixel.a,centerDepth,
-centerPixel.a,settings);
+let weight=BokehLeakageWeight(sampleDepth,samplePixel.a,centerDepth,centerPixel.a,settings);
 color+=samplePixel*weight;
-totalWeight+=weight;
-}
-}
-return BokehResolve(color,totalWeight,centerPixel,blurCoC);
-}
+totalWeight+=weight;}}
+return BokehResolve(color,totalWeight,centerPixel,blurCoC);}
 `,
   bokeh_layers: `
 override BOKEH_LAYER_RINGS: i32 = 2;
 override BOKEH_LAYER_SAMPLES: i32 = 11;
 override BOKEH_LAYER_CUBIC: i32 = 1;
 override BOKEH_LAYER_SCALE: i32 = 2;
-const BOKEH_MIN_BRIGHTNESS:f32=0.00001;
-const BOKEH_TUNED_NEAR_START:f32=6.0;
-const BOKEH_TUNED_NEAR_FULL:f32=12.0;
-const BOKEH_TUNED_FAR_START:f32=10.0;
-const BOKEH_TUNED_FAR_FULL:f32=16.0;
-const BOKEH_TUNED_NEAR_LIMIT:f32=60.0;
-const BOKEH_TUNED_COC_SIGMA:f32=0.0375;
-const BOKEH_TUNED_NEAR_SELF_BLUR:f32=9.0;
-const BOKEH_TUNED_FAR_SELF_BLUR:f32=0.06;
+const BOKEH_MIN_BRIGHTNESS:f32=.00001;
+const BOKEH_TUNED_NEAR_START:f32=6.;
+const BOKEH_TUNED_NEAR_FULL:f32=12.;
+const BOKEH_TUNED_FAR_START:f32=10.;
+const BOKEH_TUNED_FAR_FULL:f32=16.;
+const BOKEH_TUNED_NEAR_LIMIT:f32=60.;
+const BOKEH_TUNED_COC_SIGMA:f32=.0375;
+const BOKEH_TUNED_NEAR_SELF_BLUR:f32=9.;
+const BOKEH_TUNED_FAR_SELF_BLUR:f32=.06;
 const BOKEH_TUNED_FAR_SELF_BLUR_MIN:f32=7.5;
-const BOKEH_TUNED_FAR_SELF_BLUR_MAX:f32=22.0;
+const BOKEH_TUNED_FAR_SELF_BLUR_MAX:f32=22.;
 const BOKEH_TUNED_NEAR_QUARTER:f32=1.5;
 const BOKEH_TUNED_FAR_QUARTER:f32=1.15;
-const BOKEH_TUNED_HEXAGON_SIDE:f32=0.4;
-const BOKEH_TUNED_SQUARE_SIDE:f32=0.2;
-const BOKEH_TUNED_RING_WIDTH:f32=3.0;
-const BOKEH_TUNED_SINGLE_RADIUS:f32=6.0;
-const BOKEH_TUNED_RING_POSITION:f32=0.58;
-const BOKEH_TUNED_RING_STEP:f32=0.04;
-const BOKEH_TUNED_PIXEL_BLUR:f32=0.6;
+const BOKEH_TUNED_HEXAGON_SIDE:f32=.4;
+const BOKEH_TUNED_SQUARE_SIDE:f32=.2;
+const BOKEH_TUNED_RING_WIDTH:f32=3.;
+const BOKEH_TUNED_SINGLE_RADIUS:f32=6.;
+const BOKEH_TUNED_RING_POSITION:f32=.58;
+const BOKEH_TUNED_RING_STEP:f32=.04;
+const BOKEH_TUNED_PIXEL_BLUR:f32=.6;
 const BOKEH_TUNED_NEAR_ALPHA:f32=1.002;
-struct BokehGrid
-{
-size:vec2f,
-origin:vec2f,
-texel:vec2f,
-}
-struct BokehLayerContext
-{
-uv:vec2f,
-size:vec2f,
-origin:vec2f,
-texel:vec2f,
-largest:f32,
-jitter:f32,
-}
-fn BokehMakeLayerContext(uv:vec2f,imageSize:vec2f,maxCoC:f32)->BokehLayerContext
-{
+struct BokehGrid{
+size:vec2f,origin:vec2f,texel:vec2f,}
+struct BokehLayerContext{
+uv:vec2f,size:vec2f,origin:vec2f,texel:vec2f,largest:f32,jitter:f32,}
+fn BokehMakeLayerContext(uv:vec2f,imageSize:vec2f,maxCoC:f32)->BokehLayerContext{
 var layers:BokehLayerContext;
 layers.uv=uv;
 layers.size=imageSize;
-layers.origin=vec2f(0.0,0.0);
-layers.texel=1.0/imageSize;
+layers.origin=vec2f(0.,0.);
+layers.texel=1./imageSize;
 layers.largest=maxCoC*imageSize.y;
-layers.jitter=0.0;
-return layers;
-}
-fn BokehFullGrid(layers:BokehLayerContext)->BokehGrid
-{
+layers.jitter=0.;
+return layers;}
+fn BokehFullGrid(layers:BokehLayerContext)->BokehGrid{
 var grid:BokehGrid;
 grid.size=layers.size;
 grid.origin=layers.origin;
 grid.texel=layers.texel;
-return grid;
-}
-fn BokehReducedGrid(layers:BokehLayerContext,scale:f32)->BokehGrid
-{
+return grid;}
+fn BokehReducedGrid(layers:BokehLayerContext,scale:f32)->BokehGrid{
 var grid:BokehGrid;
 grid.size=ceil(layers.size/scale);
 grid.origin=layers.origin/scale;
-grid.texel=1.0/grid.size;
-if(BOKEH_VIEWPORT > 0)
-{
-grid.texel=1.0/ceil(floor(1.0/layers.texel+0.5)/scale);
-}
-return grid;
-}
-fn BokehLayerGrid(layers:BokehLayerContext)->BokehGrid
-{
-return BokehReducedGrid(layers,f32(BOKEH_LAYER_SCALE));
-}
-fn BokehGridCoords(place:vec2f,grid:BokehGrid)->vec2f
-{
+grid.texel=1./grid.size;
+if(BOKEH_VIEWPORT>0){
+grid.texel=1./ceil(floor(1./layers.texel+.5)/scale);}
+return grid;}
+fn BokehLayerGrid(layers:BokehLayerContext)->BokehGrid{
+return BokehReducedGrid(layers,f32(BOKEH_LAYER_SCALE));}
+fn BokehGridCoords(place:vec2f,grid:BokehGrid)->vec2f{
 var coords=place;
-if(BOKEH_VIEWPORT > 0)
-{
-let inset=min(vec2f(0.5078125,0.5078125),grid.size*0.5);
-coords=grid.origin+clamp(place,inset,grid.size-inset);
-}
-return coords*grid.texel;
-}
-fn BokehFetchGrid(tex:texture_2d<f32>,place:vec2f,grid:BokehGrid,
-BokehLinearClamp:sampler)->vec4f
-{
-return BokehFetchTexture(tex,BokehGridCoords(place,grid),BokehLinearClamp);
-}
-fn BokehFetchAround(tex:texture_2d<f32>,center:vec2f,offset:vec2f,grid:BokehGrid,
-BokehLinearClamp:sampler)->vec4f
-{
+if(BOKEH_VIEWPORT>0){
+let inset=min(vec2f(.5078125,.5078125),grid.size*.5);
+coords=grid.origin+clamp(place,inset,grid.size-inset);}
+return coords*grid.texel;}
+fn BokehFetchGrid(tex:texture_2d<f32>,place:vec2f,grid:BokehGrid,BokehLinearClamp:sampler)->vec4f{
+return BokehFetchTexture(tex,BokehGridCoords(place,grid),BokehLinearClamp);}
+fn BokehFetchAround(tex:texture_2d<f32>,center:vec2f,offset:vec2f,grid:BokehGrid,BokehLinearClamp:sampler)->vec4f{
 var coords=(center+offset)/grid.size;
-if(BOKEH_VIEWPORT > 0)
-{
-coords=BokehGridCoords(center+offset,grid);
-}
-return BokehFetchTexture(tex,coords,BokehLinearClamp);
-}
-fn BokehBrightest(color:vec3f)->f32
-{
-return max(max(color.r,color.g),color.b);
-}
-fn BokehLayerSlope(largest:f32,startCoC:f32,fullCoC:f32)->f32
-{
-let gate=clamp((largest-startCoC)/(fullCoC-startCoC),0.001,1.0);
-return 5.0/max(largest/gate,2.0);
-}
-fn BokehNearSlope(largest:f32)->f32
-{
-return BokehLayerSlope(min(largest,BOKEH_TUNED_NEAR_LIMIT),BOKEH_TUNED_NEAR_START,
-BOKEH_TUNED_NEAR_FULL);
-}
-fn BokehFarSlope(largest:f32)->f32
-{
-return BokehLayerSlope(largest,BOKEH_TUNED_FAR_START,BOKEH_TUNED_FAR_FULL);
-}
-fn BokehLayerWeight(CoC:f32,slope:f32)->f32
-{
-return clamp(CoC*slope-2.0,0.0,1.0);
-}
-fn BokehTileMax(MapSamp:texture_2d<f32>,layers:BokehLayerContext,
-BokehLinearClamp:sampler)->vec4f
-{
-let first=floor(layers.uv*ceil(layers.size/8.0))*8.0+vec2f(0.5,0.5);
-var found=vec3f(0.0,0.0,0.0);
-for(var y=0;y < 8;y++)
-{
-for(var x=0;x < 8;x++)
-{
+if(BOKEH_VIEWPORT>0){
+coords=BokehGridCoords(center+offset,grid);}
+return BokehFetchTexture(tex,coords,BokehLinearClamp);}
+fn BokehBrightest(color:vec3f)->f32{
+return max(max(color.r,color.g),color.b);}
+fn BokehLayerSlope(largest:f32,startCoC:f32,fullCoC:f32)->f32{
+let gate=clamp((largest-startCoC)/(fullCoC-startCoC),.001,1.);
+return 5./max(largest/gate,2.);}
+fn BokehNearSlope(largest:f32)->f32{
+return BokehLayerSlope(min(largest,BOKEH_TUNED_NEAR_LIMIT),BOKEH_TUNED_NEAR_START,BOKEH_TUNED_NEAR_FULL);}
+fn BokehFarSlope(largest:f32)->f32{
+return BokehLayerSlope(largest,BOKEH_TUNED_FAR_START,BOKEH_TUNED_FAR_FULL);}
+fn BokehLayerWeight(CoC:f32,slope:f32)->f32{
+return clamp(CoC*slope-2.,0.,1.);}
+fn BokehTileMax(MapSamp:texture_2d<f32>,layers:BokehLayerContext,BokehLinearClamp:sampler)->vec4f{
+let first=floor(layers.uv*ceil(layers.size/8.))*8.+vec2f(.5,.5);
+var found=vec3f(0.,0.,0.);
+for(var y=0;y<8;y++){
+for(var x=0;x<8;x++){
 let place=first+vec2f(f32(x),f32(y));
-let pixel=BokehFetchGrid(MapSamp,place,BokehFullGrid(layers),
-BokehLinearClamp);
+let pixel=BokehFetchGrid(MapSamp,place,BokehFullGrid(layers),BokehLinearClamp);
 let s=pixel.a*layers.size.y;
 let logBrightness=log2(max(BokehBrightest(pixel.rgb),BOKEH_MIN_BRIGHTNESS));
-found=vec3f(max(found.r,-s),max(found.g,s),found.b+logBrightness);
-}
-}
-return vec4f(min(found.r,BOKEH_MAX_COLOR),min(found.g,BOKEH_MAX_COLOR),found.b/64.0,1.0);
-}
-fn BokehReaching(CoC:vec2f,tiles:f32)->vec2f
-{
-let share=CoC/16.0+1.0-max(tiles-2.0,0.0);
-return CoC*clamp(share,vec2f(0.0,0.0),vec2f(1.0,1.0));
-}
-fn BokehReachTiles(layers:BokehLayerContext)->f32
-{
-return min(ceil(layers.largest/16.0)+2.0,127.0);
-}
-fn BokehTileDilate(TilesSamp:texture_2d<f32>,axis:vec2f,layers:BokehLayerContext,
-BokehLinearClamp:sampler)->vec4f
-{
-let grid=BokehReducedGrid(layers,8.0);
+found=vec3f(max(found.r,-s),max(found.g,s),found.b+logBrightness);}}
+return vec4f(min(found.r,BOKEH_MAX_COLOR),min(found.g,BOKEH_MAX_COLOR),found.b/64.,1.);}
+fn BokehReaching(CoC:vec2f,tiles:f32)->vec2f{
+let share=CoC/16.+1.-max(tiles-2.,0.);
+return CoC*clamp(share,vec2f(0.,0.),vec2f(1.,1.));}
+fn BokehReachTiles(layers:BokehLayerContext)->f32{
+return min(ceil(layers.largest/16.)+2.,127.);}
+fn BokehTileDilate(TilesSamp:texture_2d<f32>,axis:vec2f,layers:BokehLayerContext,BokehLinearClamp:sampler)->vec4f{
+let grid=BokehReducedGrid(layers,8.);
 let radius=BokehReachTiles(layers);
-var found=vec2f(0.0,0.0);
-var logBrightness=0.0;
-for(var i=0;i < 255;i++)
-{
+var found=vec2f(0.,0.);
+var logBrightness=0.;
+for(var i=0;i<255;i++){
 let tiles=f32(i)-radius;
-if(tiles > radius)
-{
-break;
-}
-let tile=BokehFetchGrid(TilesSamp,layers.uv*grid.size+axis*tiles,grid,
-BokehLinearClamp);
+if(tiles>radius){
+break;}
+let tile=BokehFetchGrid(TilesSamp,layers.uv*grid.size+axis*tiles,grid,BokehLinearClamp);
 found=max(found,BokehReaching(tile.rg,abs(tiles)));
-logBrightness+=tile.b;
-}
-return vec4f(found,logBrightness/(2.0*radius+1.0),1.0);
-}
-fn BokehBlurWeights(a:vec4f,b:vec4f,c:vec4f,d:vec4f,inverseBrightness:f32,
-maxWeight:f32)->vec4f
-{
-let brightest=vec4f(BokehBrightest(a.rgb),BokehBrightest(b.rgb),
-BokehBrightest(c.rgb),BokehBrightest(d.rgb));
-return min(0.01+brightest*inverseBrightness,vec4f(maxWeight,maxWeight,maxWeight,
-maxWeight));
-}
-struct BokehPrefiltered
-{
-nearLayer:vec4f,
-farLayer:vec4f,
-layerCoCSums:vec4f,
-gatherCoC:vec4f,
-}
-fn BokehLayerWeights(CoC:vec4f,slope:f32)->vec4f
-{
-return clamp(CoC*slope-2.0,vec4f(0.0,0.0,0.0,0.0),vec4f(1.0,1.0,1.0,1.0));
-}
-fn BokehSurroundings(found:vec4f,pixel:vec4f,nearWeight:f32,maxNearWeight:f32)->vec4f
-{
+logBrightness+=tile.b;}
+return vec4f(found,logBrightness/(2.*radius+1.),1.);}
+fn BokehBlurWeights(a:vec4f,b:vec4f,c:vec4f,d:vec4f,inverseBrightness:f32,maxWeight:f32)->vec4f{
+let brightest=vec4f(BokehBrightest(a.rgb),BokehBrightest(b.rgb),BokehBrightest(c.rgb),BokehBrightest(d.rgb));
+return min(.01+brightest*inverseBrightness,vec4f(maxWeight,maxWeight,maxWeight,maxWeight));}
+struct BokehPrefiltered{
+nearLayer:vec4f,farLayer:vec4f,layerCoCSums:vec4f,gatherCoC:vec4f,}
+fn BokehLayerWeights(CoC:vec4f,slope:f32)->vec4f{
+return clamp(CoC*slope-2.,vec4f(0.,0.,0.,0.),vec4f(1.,1.,1.,1.));}
+fn BokehSurroundings(found:vec4f,pixel:vec4f,nearWeight:f32,maxNearWeight:f32)->vec4f{
 var result=vec4f(min(found.rgb,pixel.rgb),found.a);
-if(nearWeight < 0.5*maxNearWeight)
-{
-result=vec4f(found.rgb,max(found.a,BokehBrightest(pixel.rgb)));
-}
-return result;
-}
-fn BokehNearPixel(pixel:vec4f,nearWeight:f32,around:vec4f)->vec4f
-{
+if(nearWeight<.5*maxNearWeight){
+result=vec4f(found.rgb,max(found.a,BokehBrightest(pixel.rgb)));}
+return result;}
+fn BokehNearPixel(pixel:vec4f,nearWeight:f32,around:vec4f)->vec4f{
 var result=vec4f(pixel.rgb,nearWeight);
 let brightest=BokehBrightest(pixel.rgb);
 let limit=BokehBrightest(around.rgb);
-if(around.a > brightest)
-{
+if(around.a>brightest){
 result=vec4f(min(pixel.rgb,around.rgb),nearWeight);
-if(brightest > limit)
-{
-result=vec4f(result.rgb,nearWeight*(around.a-brightest)/(around.a-limit));
-}
-}
-return result;
-}
-fn BokehPrefilterBlock(MapSamp:texture_2d<f32>,middle:vec2f,tile:vec4f,
-layers:BokehLayerContext,BokehLinearClamp:sampler)->BokehPrefiltered
-{
+if(brightest>limit){
+result=vec4f(result.rgb,nearWeight*(around.a-brightest)/(around.a-limit));}}
+return result;}
+fn BokehPrefilterBlock(MapSamp:texture_2d<f32>,middle:vec2f,tile:vec4f,layers:BokehLayerContext,BokehLinearClamp:sampler)->BokehPrefiltered{
 let full=BokehFullGrid(layers);
 let nearSlope=BokehNearSlope(tile.r);
 let farSlope=BokehFarSlope(tile.g);
 let inverseBrightness=exp2(-tile.b);
-let maxWeight=500000.0/max(layers.largest,50.0);
-var a=BokehFetchGrid(MapSamp,middle+vec2f(-0.5,-0.5),full,BokehLinearClamp);
-var b=BokehFetchGrid(MapSamp,middle+vec2f(0.5,-0.5),full,BokehLinearClamp);
-var c=BokehFetchGrid(MapSamp,middle+vec2f(-0.5,0.5),full,BokehLinearClamp);
-var d=BokehFetchGrid(MapSamp,middle+vec2f(0.5,0.5),full,BokehLinearClamp);
+let maxWeight=500000./max(layers.largest,50.);
+var a=BokehFetchGrid(MapSamp,middle+vec2f(-.5,-.5),full,BokehLinearClamp);
+var b=BokehFetchGrid(MapSamp,middle+vec2f(.5,-.5),full,BokehLinearClamp);
+var c=BokehFetchGrid(MapSamp,middle+vec2f(-.5,.5),full,BokehLinearClamp);
+var d=BokehFetchGrid(MapSamp,middle+vec2f(.5,.5),full,BokehLinearClamp);
 let s=vec4f(a.a,b.a,c.a,d.a)*full.size.y;
 let nearWeights=BokehLayerWeights(-s,nearSlope);
 let farWeights=BokehLayerWeights(s,farSlope);
-let farSum=vec4f(a.rgb,1.0)*farWeights.x+vec4f(b.rgb,1.0)*farWeights.y +
-vec4f(c.rgb,1.0)*farWeights.z+vec4f(d.rgb,1.0)*farWeights.w;
+let farSum=vec4f(a.rgb,1.)*farWeights.x+vec4f(b.rgb,1.)*farWeights.y +vec4f(c.rgb,1.)*farWeights.z+vec4f(d.rgb,1.)*farWeights.w;
 var weights=farWeights*BokehBlurWeights(a,b,c,d,inverseBrightness,maxWeight);
-let one=vec4f(1.0,1.0,1.0,1.0);
-var sums=vec4f(0.0,0.0,dot(weights,s)/8.0,dot(weights,one));
-let nearGather = -s*min(4.0-4.0*nearWeights,one);
-let farGather=s*min(4.0-4.0*farWeights,one);
-let gatherCoC=max(max(vec2f(nearGather.x,farGather.x),vec2f(nearGather.y,
-farGather.y)),max(vec2f(nearGather.z,farGather.z),vec2f(nearGather.w,farGather.w)));
-let maxNearWeight=max(max(nearWeights.x,nearWeights.y),max(nearWeights.z,
-nearWeights.w));
-var nearSum=vec4f(0.0,0.0,0.0,0.0);
-if(maxNearWeight > 0.0)
-{
-var around=vec4f(BOKEH_MAX_COLOR,BOKEH_MAX_COLOR,BOKEH_MAX_COLOR,0.0);
+let one=vec4f(1.,1.,1.,1.);
+var sums=vec4f(0.,0.,dot(weights,s)/8.,dot(weights,one));
+let nearGather = -s*min(4.-4.*nearWeights,one);
+let farGather=s*min(4.-4.*farWeights,one);
+let gatherCoC=max(max(vec2f(nearGather.x,farGather.x),vec2f(nearGather.y,farGather.y)),max(vec2f(nearGather.z,farGather.z),vec2f(nearGather.w,farGather.w)));
+let maxNearWeight=max(max(nearWeights.x,nearWeights.y),max(nearWeights.z,nearWeights.w));
+var nearSum=vec4f(0.,0.,0.,0.);
+if(maxNearWeight>0.){
+var around=vec4f(BOKEH_MAX_COLOR,BOKEH_MAX_COLOR,BOKEH_MAX_COLOR,0.);
 around=BokehSurroundings(around,a,nearWeights.x,maxNearWeight);
 around=BokehSurroundings(around,b,nearWeights.y,maxNearWeight);
 around=BokehSurroundings(around,c,nearWeights.z,maxNearWeight);
 around=BokehSurroundings(around,d,nearWeights.w,maxNearWeight);
-for(var y=0;y < 4;y++)
-{
-for(var x=0;x < 4;x++)
-{
+for(var y=0;y<4;y++){
+for(var x=0;x<4;x++){
 let offset=vec2f(f32(x)-1.5,f32(y)-1.5);
-if((abs(offset.x)-abs(offset.y))*offset.x*offset.y > 0.5)
-{
-let pixel=BokehFetchGrid(MapSamp,middle+offset,full,
-BokehLinearClamp);
-around=BokehSurroundings(around,pixel,BokehLayerWeight(-pixel.a *
-full.size.y,nearSlope),maxNearWeight);
-}
-}
-}
+if((abs(offset.x)-abs(offset.y))*offset.x*offset.y>.5){
+let pixel=BokehFetchGrid(MapSamp,middle+offset,full,BokehLinearClamp);
+around=BokehSurroundings(around,pixel,BokehLayerWeight(-pixel.a *full.size.y,nearSlope),maxNearWeight);}}}
 a=BokehNearPixel(a,nearWeights.x,around);
 b=BokehNearPixel(b,nearWeights.y,around);
 c=BokehNearPixel(c,nearWeights.z,around);
 d=BokehNearPixel(d,nearWeights.w,around);
-nearSum=vec4f(a.rgb,1.0)*a.a+vec4f(b.rgb,1.0)*b.a+vec4f(c.rgb,1.0)*c.a +
-vec4f(d.rgb,1.0)*d.a;
-weights=vec4f(a.a,b.a,c.a,d.a)*BokehBlurWeights(a,b,c,d,inverseBrightness,
-maxWeight);
-sums=vec4f(-dot(weights,s)/8.0,dot(weights,one),sums.z,sums.w);
-}
+nearSum=vec4f(a.rgb,1.)*a.a+vec4f(b.rgb,1.)*b.a+vec4f(c.rgb,1.)*c.a +vec4f(d.rgb,1.)*d.a;
+weights=vec4f(a.a,b.a,c.a,d.a)*BokehBlurWeights(a,b,c,d,inverseBrightness,maxWeight);
+sums=vec4f(-dot(weights,s)/8.,dot(weights,one),sums.z,sums.w);}
 var targets:BokehPrefiltered;
-targets.nearLayer=nearSum*0.25;
-targets.farLayer=farSum*0.25;
+targets.nearLayer=nearSum*.25;
+targets.farLayer=farSum*.25;
 let maxValue=BOKEH_MAX_COLOR;
-targets.layerCoCSums=min(sums*0.25,vec4f(maxValue,maxValue,maxValue,maxValue));
-targets.gatherCoC=vec4f(clamp(gatherCoC,vec2f(0.0,0.0),vec2f(maxValue,maxValue)),0.0,
-1.0);
-return targets;
-}
-fn BokehPrefilter(MapSamp:texture_2d<f32>,DilatedTilesSamp:texture_2d<f32>,
-layers:BokehLayerContext,BokehLinearClamp:sampler)->BokehPrefiltered
-{
+targets.layerCoCSums=min(sums*.25,vec4f(maxValue,maxValue,maxValue,maxValue));
+targets.gatherCoC=vec4f(clamp(gatherCoC,vec2f(0.,0.),vec2f(maxValue,maxValue)),0.,1.);
+return targets;}
+fn BokehPrefilter(MapSamp:texture_2d<f32>,DilatedTilesSamp:texture_2d<f32>,layers:BokehLayerContext,BokehLinearClamp:sampler)->BokehPrefiltered{
 let grid=BokehLayerGrid(layers);
-let center=(floor(layers.uv*grid.size)+0.5)*f32(BOKEH_LAYER_SCALE);
-let tile=BokehFetchGrid(DilatedTilesSamp,center/8.0,BokehReducedGrid(layers,8.0),
-BokehLinearClamp);
+let center=(floor(layers.uv*grid.size)+.5)*f32(BOKEH_LAYER_SCALE);
+let tile=BokehFetchGrid(DilatedTilesSamp,center/8.,BokehReducedGrid(layers,8.),BokehLinearClamp);
 var targets:BokehPrefiltered;
-targets.nearLayer=vec4f(0.0,0.0,0.0,0.0);
-targets.farLayer=vec4f(0.0,0.0,0.0,0.0);
-targets.layerCoCSums=vec4f(0.0,0.0,0.0,0.0);
-targets.gatherCoC=vec4f(0.0,0.0,0.0,1.0);
-let share=4.0/f32(BOKEH_LAYER_SCALE*BOKEH_LAYER_SCALE);
-for(var y=0;y < BOKEH_LAYER_SCALE/2;y++)
-{
-for(var x=0;x < BOKEH_LAYER_SCALE/2;x++)
-{
-let middle=center+2.0*vec2f(f32(x),f32(y))+(1.0-0.5 *
-f32(BOKEH_LAYER_SCALE));
-let block=BokehPrefilterBlock(MapSamp,middle,tile,
-layers,BokehLinearClamp);
+targets.nearLayer=vec4f(0.,0.,0.,0.);
+targets.farLayer=vec4f(0.,0.,0.,0.);
+targets.layerCoCSums=vec4f(0.,0.,0.,0.);
+targets.gatherCoC=vec4f(0.,0.,0.,1.);
+let share=4./f32(BOKEH_LAYER_SCALE*BOKEH_LAYER_SCALE);
+for(var y=0;y<BOKEH_LAYER_SCALE/2;y++){
+for(var x=0;x<BOKEH_LAYER_SCALE/2;x++){
+let middle=center+2.*vec2f(f32(x),f32(y))+(1.-.5 *f32(BOKEH_LAYER_SCALE));
+let block=BokehPrefilterBlock(MapSamp,middle,tile,layers,BokehLinearClamp);
 targets.nearLayer+=block.nearLayer*share;
 targets.farLayer+=block.farLayer*share;
 targets.layerCoCSums+=block.layerCoCSums*share;
-targets.gatherCoC=max(targets.gatherCoC,block.gatherCoC);
-}
-}
-return targets;
-}
-struct BokehTileSums
-{
-gatherCoC:vec4f,
-sums:vec4f,
-}
-fn BokehLayerCoCReduce(SumsSamp:texture_2d<f32>,GatherCoCSamp:texture_2d<f32>,
-layers:BokehLayerContext,BokehLinearClamp:sampler)->BokehTileSums
-{
+targets.gatherCoC=max(targets.gatherCoC,block.gatherCoC);}}
+return targets;}
+struct BokehTileSums{
+gatherCoC:vec4f,sums:vec4f,}
+fn BokehLayerCoCReduce(SumsSamp:texture_2d<f32>,GatherCoCSamp:texture_2d<f32>,layers:BokehLayerContext,BokehLinearClamp:sampler)->BokehTileSums{
 let grid=BokehLayerGrid(layers);
 let texels=8/BOKEH_LAYER_SCALE;
-let first=floor(layers.uv*ceil(layers.size/8.0))*f32(texels)+vec2f(0.5,0.5);
-var sums=vec4f(0.0,0.0,0.0,0.0);
-var gatherCoC=vec2f(0.0,0.0);
-for(var y=0;y < texels;y++)
-{
-for(var x=0;x < texels;x++)
-{
+let first=floor(layers.uv*ceil(layers.size/8.))*f32(texels)+vec2f(.5,.5);
+var sums=vec4f(0.,0.,0.,0.);
+var gatherCoC=vec2f(0.,0.);
+for(var y=0;y<texels;y++){
+for(var x=0;x<texels;x++){
 let place=first+vec2f(f32(x),f32(y));
 sums+=BokehFetchGrid(SumsSamp,place,grid,BokehLinearClamp);
-gatherCoC=max(gatherCoC,BokehFetchGrid(GatherCoCSamp,place,grid,
-BokehLinearClamp).rg);
-}
-}
+gatherCoC=max(gatherCoC,BokehFetchGrid(GatherCoCSamp,place,grid,BokehLinearClamp).rg);}}
 var targets:BokehTileSums;
-targets.gatherCoC=vec4f(gatherCoC,0.0,1.0);
+targets.gatherCoC=vec4f(gatherCoC,0.,1.);
 targets.sums=sums/f32(texels*texels);
-return targets;
-}
-fn BokehLayerCoCAlong(GatherCoCSamp:texture_2d<f32>,SumsSamp:texture_2d<f32>,
-DilatedTilesSamp:texture_2d<f32>,axis:vec2f,layers:BokehLayerContext,
-BokehLinearClamp:sampler)->BokehTileSums
-{
-let grid=BokehReducedGrid(layers,8.0);
-let tile=BokehFetchGrid(DilatedTilesSamp,layers.uv*grid.size,grid,
-BokehLinearClamp).rg;
-let sigma=max(tile*BOKEH_TUNED_COC_SIGMA,vec2f(0.6,0.6));
+return targets;}
+fn BokehLayerCoCAlong(GatherCoCSamp:texture_2d<f32>,SumsSamp:texture_2d<f32>,DilatedTilesSamp:texture_2d<f32>,axis:vec2f,layers:BokehLayerContext,BokehLinearClamp:sampler)->BokehTileSums{
+let grid=BokehReducedGrid(layers,8.);
+let tile=BokehFetchGrid(DilatedTilesSamp,layers.uv*grid.size,grid,BokehLinearClamp).rg;
+let sigma=max(tile*BOKEH_TUNED_COC_SIGMA,vec2f(.6,.6));
 let radius=BokehReachTiles(layers);
-var sums=vec4f(0.0,0.0,0.0,0.0);
-var gatherCoC=vec2f(0.0,0.0);
-var total=vec2f(0.0,0.0);
-for(var i=0;i < 255;i++)
-{
+var sums=vec4f(0.,0.,0.,0.);
+var gatherCoC=vec2f(0.,0.);
+var total=vec2f(0.,0.);
+for(var i=0;i<255;i++){
 let tiles=f32(i)-radius;
-if(tiles > radius)
-{
-break;
-}
+if(tiles>radius){
+break;}
 let place=layers.uv*grid.size+axis*tiles;
-let weight=exp(-0.5*tiles*tiles/(sigma*sigma));
-sums+=BokehFetchGrid(SumsSamp,place,grid,BokehLinearClamp)*vec4f(weight.x,weight.x,
-weight.y,weight.y);
-gatherCoC=max(gatherCoC,BokehReaching(BokehFetchGrid(GatherCoCSamp,place,grid,
-BokehLinearClamp).rg,abs(tiles)));
-total+=weight;
-}
+let weight=exp(-.5*tiles*tiles/(sigma*sigma));
+sums+=BokehFetchGrid(SumsSamp,place,grid,BokehLinearClamp)*vec4f(weight.x,weight.x,weight.y,weight.y);
+gatherCoC=max(gatherCoC,BokehReaching(BokehFetchGrid(GatherCoCSamp,place,grid,BokehLinearClamp).rg,abs(tiles)));
+total+=weight;}
 var targets:BokehTileSums;
-targets.gatherCoC=vec4f(gatherCoC,0.0,1.0);
+targets.gatherCoC=vec4f(gatherCoC,0.,1.);
 targets.sums=sums/vec4f(total.x,total.x,total.y,total.y);
-return targets;
-}
-fn BokehLayerCoCRows(GatherCoCSamp:texture_2d<f32>,SumsSamp:texture_2d<f32>,
-DilatedTilesSamp:texture_2d<f32>,layers:BokehLayerContext,
-BokehLinearClamp:sampler)->BokehTileSums
-{
-return BokehLayerCoCAlong(GatherCoCSamp,SumsSamp,DilatedTilesSamp,vec2f(1.0,0.0),layers,
-BokehLinearClamp);
-}
-struct BokehLayerCoCTargets
-{
-gatherTiles:vec4f,
-layerCoC:vec4f,
-}
-fn BokehLayerCoCColumns(GatherCoCSamp:texture_2d<f32>,SumsSamp:texture_2d<f32>,
-DilatedTilesSamp:texture_2d<f32>,layers:BokehLayerContext,
-BokehLinearClamp:sampler)->BokehLayerCoCTargets
-{
-let grid=BokehReducedGrid(layers,8.0);
-let tile=BokehFetchGrid(DilatedTilesSamp,layers.uv*grid.size,grid,
-BokehLinearClamp).rg;
-let tileSums=BokehLayerCoCAlong(GatherCoCSamp,SumsSamp,DilatedTilesSamp,
-vec2f(0.0,1.0),layers,BokehLinearClamp);
+return targets;}
+fn BokehLayerCoCRows(GatherCoCSamp:texture_2d<f32>,SumsSamp:texture_2d<f32>,DilatedTilesSamp:texture_2d<f32>,layers:BokehLayerContext,BokehLinearClamp:sampler)->BokehTileSums{
+return BokehLayerCoCAlong(GatherCoCSamp,SumsSamp,DilatedTilesSamp,vec2f(1.,0.),layers,BokehLinearClamp);}
+struct BokehLayerCoCTargets{
+gatherTiles:vec4f,layerCoC:vec4f,}
+fn BokehLayerCoCColumns(GatherCoCSamp:texture_2d<f32>,SumsSamp:texture_2d<f32>,DilatedTilesSamp:texture_2d<f32>,layers:BokehLayerContext,BokehLinearClamp:sampler)->BokehLayerCoCTargets{
+let grid=BokehReducedGrid(layers,8.);
+let tile=BokehFetchGrid(DilatedTilesSamp,layers.uv*grid.size,grid,BokehLinearClamp).rg;
+let tileSums=BokehLayerCoCAlong(GatherCoCSamp,SumsSamp,DilatedTilesSamp,vec2f(0.,1.),layers,BokehLinearClamp);
 let sums=tileSums.sums;
-var layerCoC=vec2f(0.0,0.0);
-if(sums.g > 0.0001&&tile.r > BOKEH_TUNED_NEAR_START)
-{
-layerCoC=vec2f(8.0*sums.r/sums.g,0.0);
-}
-if(sums.a > 0.0001&&tile.g > BOKEH_TUNED_FAR_START)
-{
-layerCoC=vec2f(layerCoC.x,8.0*sums.b/sums.a);
-}
+var layerCoC=vec2f(0.,0.);
+if(sums.g>.0001&&tile.r>BOKEH_TUNED_NEAR_START){
+layerCoC=vec2f(8.*sums.r/sums.g,0.);}
+if(sums.a>.0001&&tile.g>BOKEH_TUNED_FAR_START){
+layerCoC=vec2f(layerCoC.x,8.*sums.b/sums.a);}
 var targets:BokehLayerCoCTargets;
 targets.gatherTiles=vec4f(tile,tileSums.gatherCoC.rg);
-targets.layerCoC=vec4f(layerCoC,0.0,1.0);
-return targets;
-}
-fn BokehLayerCoC(LayerCoCSamp:texture_2d<f32>,layers:BokehLayerContext,
-BokehLinearClamp:sampler)->vec2f
-{
+targets.layerCoC=vec4f(layerCoC,0.,1.);
+return targets;}
+fn BokehLayerCoC(LayerCoCSamp:texture_2d<f32>,layers:BokehLayerContext,BokehLinearClamp:sampler)->vec2f{
 let grid=BokehLayerGrid(layers);
-let place=layers.uv*grid.size*(f32(BOKEH_LAYER_SCALE)/8.0);
-return BokehFetchGrid(LayerCoCSamp,place,BokehReducedGrid(layers,8.0),BokehLinearClamp).rg;
-}
-struct BokehBlur
-{
-CoC:f32,
-spacing:f32,
-useQuarterLayer:bool,
-sideTap:f32,
-}
-fn BokehLayerBlur(layerCoC:vec2f,isFar:bool,polygon:BokehPolygon)->BokehBlur
-{
+let place=layers.uv*grid.size*(f32(BOKEH_LAYER_SCALE)/8.);
+return BokehFetchGrid(LayerCoCSamp,place,BokehReducedGrid(layers,8.),BokehLinearClamp).rg;}
+struct BokehBlur{
+CoC:f32,spacing:f32,useQuarterLayer:bool,sideTap:f32,}
+fn BokehLayerBlur(layerCoC:vec2f,isFar:bool,polygon:BokehPolygon)->BokehBlur{
 var CoC=layerCoC.r/f32(BOKEH_LAYER_SCALE);
 var minSpacing=BOKEH_TUNED_NEAR_QUARTER;
 var selfBlur=BOKEH_TUNED_NEAR_SELF_BLUR;
-if(isFar)
-{
+if(isFar){
 CoC=layerCoC.g/f32(BOKEH_LAYER_SCALE);
 minSpacing=BOKEH_TUNED_FAR_QUARTER;
-selfBlur=clamp(BOKEH_TUNED_FAR_SELF_BLUR*CoC*CoC,BOKEH_TUNED_FAR_SELF_BLUR_MIN,
-BOKEH_TUNED_FAR_SELF_BLUR_MAX);
-}
-var spacing=0.5*CoC/f32(BOKEH_LAYER_SAMPLES);
+selfBlur=clamp(BOKEH_TUNED_FAR_SELF_BLUR*CoC*CoC,BOKEH_TUNED_FAR_SELF_BLUR_MIN,BOKEH_TUNED_FAR_SELF_BLUR_MAX);}
+var spacing=.5*CoC/f32(BOKEH_LAYER_SAMPLES);
 var hard=BOKEH_TUNED_HEXAGON_SIDE;
-if(polygon.sides < 6)
-{
-spacing=0.354*CoC/f32(BOKEH_LAYER_SAMPLES);
-hard=BOKEH_TUNED_SQUARE_SIDE;
-}
+if(polygon.sides<6){
+spacing=.354*CoC/f32(BOKEH_LAYER_SAMPLES);
+hard=BOKEH_TUNED_SQUARE_SIDE;}
 var blur:BokehBlur;
-blur.useQuarterLayer=spacing > minSpacing;
-blur.sideTap=0.0;
-if(blur.useQuarterLayer)
-{
-blur.sideTap=clamp(0.25*spacing-hard,0.0,0.6);
-selfBlur+=14.0+154.0*blur.sideTap/(1.0+2.0*blur.sideTap);
-}
-blur.CoC=sqrt(max(CoC*CoC-selfBlur,0.25));
-blur.spacing=max(spacing,1.0);
-return blur;
-}
-fn BokehQuarterLayer(LayerSamp:texture_2d<f32>,center:vec2f,side:f32,
-layers:BokehLayerContext,BokehLinearClamp:sampler)->vec4f
-{
+blur.useQuarterLayer=spacing>minSpacing;
+blur.sideTap=0.;
+if(blur.useQuarterLayer){
+blur.sideTap=clamp(.25*spacing-hard,0.,.6);
+selfBlur+=14.+154.*blur.sideTap/(1.+2.*blur.sideTap);}
+blur.CoC=sqrt(max(CoC*CoC-selfBlur,.25));
+blur.spacing=max(spacing,1.);
+return blur;}
+fn BokehQuarterLayer(LayerSamp:texture_2d<f32>,center:vec2f,side:f32,layers:BokehLayerContext,BokehLinearClamp:sampler)->vec4f{
 let grid=BokehLayerGrid(layers);
-var sum=vec4f(0.0,0.0,0.0,0.0);
-if(side > 0.0)
-{
-for(var y=0;y < 3;y++)
-{
-for(var x=0;x < 3;x++)
-{
-let offset=vec2f(f32(x)-1.0,f32(y)-1.0);
-let weight=1.0-(1.0-side)*abs(offset);
-sum+=BokehFetchGrid(LayerSamp,center+2.0*offset,grid,BokehLinearClamp) *
-(weight.x*weight.y);
-}
-}
-sum=sum/((1.0+2.0*side)*(1.0+2.0*side));
-}
-else
-{
-sum=BokehFetchGrid(LayerSamp,center,grid,BokehLinearClamp);
-}
-return sum;
-}
-struct BokehDownsampled
-{
-midWithHoles:vec4f,
-farWithHoles:vec4f,
-nearQuarter:vec4f,
-farQuarter:vec4f,
-}
-fn BokehDownsample(MapSamp:texture_2d<f32>,DilatedTilesSamp:texture_2d<f32>,
-NearSamp:texture_2d<f32>,FarSamp:texture_2d<f32>,LayerCoCSamp:texture_2d<f32>,
-polygon:BokehPolygon,layers:BokehLayerContext,BokehLinearClamp:sampler)->BokehDownsampled
-{
+var sum=vec4f(0.,0.,0.,0.);
+if(side>0.){
+for(var y=0;y<3;y++){
+for(var x=0;x<3;x++){
+let offset=vec2f(f32(x)-1.,f32(y)-1.);
+let weight=1.-(1.-side)*abs(offset);
+sum+=BokehFetchGrid(LayerSamp,center+2.*offset,grid,BokehLinearClamp) *(weight.x*weight.y);}}
+sum=sum/((1.+2.*side)*(1.+2.*side));}
+else{
+sum=BokehFetchGrid(LayerSamp,center,grid,BokehLinearClamp);}
+return sum;}
+struct BokehDownsampled{
+midWithHoles:vec4f,farWithHoles:vec4f,nearQuarter:vec4f,farQuarter:vec4f,}
+fn BokehDownsample(MapSamp:texture_2d<f32>,DilatedTilesSamp:texture_2d<f32>,NearSamp:texture_2d<f32>,FarSamp:texture_2d<f32>,LayerCoCSamp:texture_2d<f32>,polygon:BokehPolygon,layers:BokehLayerContext,BokehLinearClamp:sampler)->BokehDownsampled{
 let full=BokehFullGrid(layers);
-let first=floor(layers.uv*ceil(layers.size/4.0))*4.0+vec2f(0.5,0.5);
+let first=floor(layers.uv*ceil(layers.size/4.))*4.+vec2f(.5,.5);
 let middlePlace=first+vec2f(1.5,1.5);
-let tile=BokehFetchGrid(DilatedTilesSamp,middlePlace/8.0,BokehReducedGrid(layers,
-8.0),BokehLinearClamp);
+let tile=BokehFetchGrid(DilatedTilesSamp,middlePlace/8.,BokehReducedGrid(layers,8.),BokehLinearClamp);
 let nearSlope=BokehNearSlope(tile.r);
 let farSlope=BokehFarSlope(tile.g);
 let inverseBrightness=exp2(-tile.b);
-var mid=vec4f(0.0,0.0,0.0,0.0);
-var far=vec4f(0.0,0.0,0.0,0.0);
-for(var y=0;y < 4;y++)
-{
-for(var x=0;x < 4;x++)
-{
+var mid=vec4f(0.,0.,0.,0.);
+var far=vec4f(0.,0.,0.,0.);
+for(var y=0;y<4;y++){
+for(var x=0;x<4;x++){
 let place=first+vec2f(f32(x),f32(y));
 let pixel=BokehFetchGrid(MapSamp,place,full,BokehLinearClamp);
 let s=pixel.a*full.size.y;
 let nearWeight=BokehLayerWeight(-s,nearSlope);
-let notNear=max(1.0-2.0*nearWeight,0.0625-0.0625*nearWeight);
+let notNear=max(1.-2.*nearWeight,.0625-.0625*nearWeight);
 let farWeight=BokehLayerWeight(s,farSlope);
-let weight=notNear/(1.0+BokehBrightest(pixel.rgb)*inverseBrightness);
-mid+=vec4f(pixel.rgb,1.0)*(weight*(1.0-farWeight));
-far+=vec4f(pixel.rgb,1.0)*(weight*farWeight);
-}
-}
+let weight=notNear/(1.+BokehBrightest(pixel.rgb)*inverseBrightness);
+mid+=vec4f(pixel.rgb,1.)*(weight*(1.-farWeight));
+far+=vec4f(pixel.rgb,1.)*(weight*farWeight);}}
 let center=middlePlace/f32(BOKEH_LAYER_SCALE);
 let layerCoC=BokehLayerCoC(LayerCoCSamp,layers,BokehLinearClamp);
 var targets:BokehDownsampled;
-targets.midWithHoles=mid/16.0;
-targets.farWithHoles=far/16.0;
+targets.midWithHoles=mid/16.;
+targets.farWithHoles=far/16.;
 let nearBlur=BokehLayerBlur(layerCoC,false,polygon);
 let farBlur=BokehLayerBlur(layerCoC,true,polygon);
-targets.nearQuarter=BokehQuarterLayer(NearSamp,center,nearBlur.sideTap,layers,
-BokehLinearClamp);
-targets.farQuarter=BokehQuarterLayer(FarSamp,center,farBlur.sideTap,layers,
-BokehLinearClamp);
-return targets;
-}
-fn BokehEdgeDirection(k:i32,polygon:BokehPolygon)->vec2f
-{
+targets.nearQuarter=BokehQuarterLayer(NearSamp,center,nearBlur.sideTap,layers,BokehLinearClamp);
+targets.farQuarter=BokehQuarterLayer(FarSamp,center,farBlur.sideTap,layers,BokehLinearClamp);
+return targets;}
+fn BokehEdgeDirection(k:i32,polygon:BokehPolygon)->vec2f{
 let outwards=BokehTurn(f32(k),polygon);
-return BokehRotated(vec2f(-outwards.y,outwards.x),polygon.axis);
-}
-fn BokehSamplesPerEdge(ring:i32,polygon:BokehPolygon)->i32
-{
-return i32(max(6.0*f32(ring)/f32(polygon.sides)+0.5,1.0));
-}
-fn BokehHoleWeights(middle:vec4f,far:vec4f,inverseBrightness:f32)->vec2f
-{
-return vec2f(middle.a+BokehBrightest(middle.rgb)*inverseBrightness,far.a +
-BokehBrightest(far.rgb)*inverseBrightness);
-}
-struct BokehFilled
-{
-midFill:vec4f,
-farFill:vec4f,
-}
-fn BokehHoleFill(MidSamp:texture_2d<f32>,FarSamp:texture_2d<f32>,
-DilatedTilesSamp:texture_2d<f32>,polygon:BokehPolygon,layers:BokehLayerContext,
-BokehLinearClamp:sampler)->BokehFilled
-{
-let grid=BokehReducedGrid(layers,4.0);
+return BokehRotated(vec2f(-outwards.y,outwards.x),polygon.axis);}
+fn BokehSamplesPerEdge(ring:i32,polygon:BokehPolygon)->i32{
+return i32(max(6.*f32(ring)/f32(polygon.sides)+.5,1.));}
+fn BokehHoleWeights(middle:vec4f,far:vec4f,inverseBrightness:f32)->vec2f{
+return vec2f(middle.a+BokehBrightest(middle.rgb)*inverseBrightness,far.a +BokehBrightest(far.rgb)*inverseBrightness);}
+struct BokehFilled{
+midFill:vec4f,farFill:vec4f,}
+fn BokehHoleFill(MidSamp:texture_2d<f32>,FarSamp:texture_2d<f32>,DilatedTilesSamp:texture_2d<f32>,polygon:BokehPolygon,layers:BokehLayerContext,BokehLinearClamp:sampler)->BokehFilled{
+let grid=BokehReducedGrid(layers,4.);
 let center=layers.uv*grid.size;
-let tile=BokehFetchGrid(DilatedTilesSamp,center/2.0,BokehReducedGrid(layers,8.0),
-BokehLinearClamp);
+let tile=BokehFetchGrid(DilatedTilesSamp,center/2.,BokehReducedGrid(layers,8.),BokehLinearClamp);
 let nearCoC=tile.r;
 let inverseBrightness=exp2(-tile.b);
 var corner=BokehRotated(polygon.corner,polygon.axis);
 var direction=BokehEdgeDirection(1,polygon);
-let turn=BokehTurn(1.0,polygon);
+let turn=BokehTurn(1.,polygon);
 var mid=BokehFetchGrid(MidSamp,center,grid,BokehLinearClamp);
 var far=BokehFetchGrid(FarSamp,center,grid,BokehLinearClamp);
 var weights=BokehHoleWeights(mid,far,inverseBrightness);
-for(var ring=0;ring < 3;ring++)
-{
-if(nearCoC < BOKEH_TUNED_NEAR_START)
-{
-break;
-}
-let diameter=max(nearCoC/8.0,2.0)*exp2(1.5*f32(ring)-2.0);
-let weight=1.0/(1.0+4.0*diameter*diameter*diameter);
+for(var ring=0;ring<3;ring++){
+if(nearCoC<BOKEH_TUNED_NEAR_START){
+break;}
+let diameter=max(nearCoC/8.,2.)*exp2(1.5*f32(ring)-2.);
+let weight=1./(1.+4.*diameter*diameter*diameter);
 let scale=vec2f(polygon.squeeze*diameter,diameter);
 let onEdge=BokehSamplesPerEdge(1,polygon);
-for(var edge=1;edge <= polygon.sides;edge++)
-{
+for(var edge=1;edge<=polygon.sides;edge++){
 let along=direction*(BokehEdgeLength(edge,polygon)/f32(onEdge));
-for(var i=0;i < onEdge;i++)
-{
+for(var i=0;i<onEdge;i++){
 let place=center+corner*scale;
 let midTexel=BokehFetchGrid(MidSamp,place,grid,BokehLinearClamp);
 let farTexel=BokehFetchGrid(FarSamp,place,grid,BokehLinearClamp);
 mid+=midTexel*weight;
 far+=farTexel*weight;
 weights+=BokehHoleWeights(midTexel,farTexel,inverseBrightness)*weight;
-corner+=along;
-}
-direction=BokehRotated(direction,turn);
-}
-}
-let both=(mid.rgb+far.rgb)/max(mid.a+far.a,0.000001);
-let midWeight=weights.r/max(weights.r+weights.g,0.000001);
+corner+=along;}
+direction=BokehRotated(direction,turn);}}
+let both=(mid.rgb+far.rgb)/max(mid.a+far.a,.000001);
+let midWeight=weights.r/max(weights.r+weights.g,.000001);
 var targets:BokehFilled;
 targets.midFill=vec4f(both,midWeight);
-targets.farFill=vec4f(both,1.0);
-if(mid.a > 0.000001)
-{
-targets.midFill=vec4f(mid.rgb/mid.a,midWeight);
-}
-if(far.a > 0.000001)
-{
-targets.farFill=vec4f(far.rgb/far.a,1.0);
-}
-return targets;
-}
-fn BokehLayerLine(tex:texture_2d<f32>,QuarterSamp:texture_2d<f32>,k:i32,polygon:BokehPolygon,
-secondPass:bool,blur:BokehBlur,layers:BokehLayerContext,
-BokehLinearClamp:sampler)->vec4f
-{
+targets.farFill=vec4f(both,1.);
+if(mid.a>.000001){
+targets.midFill=vec4f(mid.rgb/mid.a,midWeight);}
+if(far.a>.000001){
+targets.farFill=vec4f(far.rgb/far.a,1.);}
+return targets;}
+fn BokehLayerLine(tex:texture_2d<f32>,QuarterSamp:texture_2d<f32>,k:i32,polygon:BokehPolygon,secondPass:bool,blur:BokehBlur,layers:BokehLayerContext,BokehLinearClamp:sampler)->vec4f{
 var scale=f32(BOKEH_LAYER_SCALE);
-if(blur.useQuarterLayer)
-{
-scale=4.0;
-}
+if(blur.useQuarterLayer){
+scale=4.;}
 let grid=BokehReducedGrid(layers,scale);
 let segment=BokehEdgeLine(k,polygon,secondPass)*blur.CoC;
-let samples=max(2.0*length(segment.zw)/blur.spacing,2.0);
-let phase=0.5+layers.jitter*min(blur.spacing-1.0,1.0);
+let samples=max(2.*length(segment.zw)/blur.spacing,2.);
+let phase=.5+layers.jitter*min(blur.spacing-1.,1.);
 let layerGrid=BokehLayerGrid(layers);
-let first=(layers.uv*layerGrid.size+segment.xy-segment.zw) *
-(f32(BOKEH_LAYER_SCALE)/scale);
-let sampleStep=segment.zw*(2.0*f32(BOKEH_LAYER_SCALE)/(scale*samples));
-var sum=vec4f(0.0,0.0,0.0,0.0);
-for(var i=0;i < i32(ceil(samples));i++)
-{
-let part=clamp(samples-f32(i),0.0,1.0);
+let first=(layers.uv*layerGrid.size+segment.xy-segment.zw) *(f32(BOKEH_LAYER_SCALE)/scale);
+let sampleStep=segment.zw*(2.*f32(BOKEH_LAYER_SCALE)/(scale*samples));
+var sum=vec4f(0.,0.,0.,0.);
+for(var i=0;i<i32(ceil(samples));i++){
+let part=clamp(samples-f32(i),0.,1.);
 let place=first+sampleStep*(f32(i)+part*phase);
-var texel=vec4f(0.0,0.0,0.0,0.0);
-if(blur.useQuarterLayer)
-{
-texel=BokehFetchGrid(QuarterSamp,place,grid,BokehLinearClamp);
-}
-else
-{
-texel=BokehFetchGrid(tex,place,grid,BokehLinearClamp);
-}
-sum+=part*texel;
-}
+var texel=vec4f(0.,0.,0.,0.);
+if(blur.useQuarterLayer){
+texel=BokehFetchGrid(QuarterSamp,place,grid,BokehLinearClamp);}
+else{
+texel=BokehFetchGrid(tex,place,grid,BokehLinearClamp);}
+sum+=part*texel;}
 sum=sum/samples;
-if(secondPass)
-{
-sum*=BokehEdgeArea(k,polygon);
-}
-return sum;
-}
-fn BokehLayerTarget(k:i32,polygon:BokehPolygon,L1:vec4f,L2:vec4f,L3:vec4f,
-L4:vec4f)->vec4f
-{
+if(secondPass){
+sum*=BokehEdgeArea(k,polygon);}
+return sum;}
+fn BokehLayerTarget(k:i32,polygon:BokehPolygon,L1:vec4f,L2:vec4f,L3:vec4f,L4:vec4f)->vec4f{
 let w=BokehEdgeWeights(k,polygon);
-return (L1*w.x+L2*w.y+L3*w.z+L4*w.w)/(w.x+w.y+w.z+w.w);
-}
-fn BokehLayerFirst(LayerSamp:texture_2d<f32>,QuarterSamp:texture_2d<f32>,layerCoC:vec2f,
-isFar:bool,last:i32,polygon:BokehPolygon,layers:BokehLayerContext,
-BokehLinearClamp:sampler)->BokehTargets
-{
+return (L1*w.x+L2*w.y+L3*w.z+L4*w.w)/(w.x+w.y+w.z+w.w);}
+fn BokehLayerFirst(LayerSamp:texture_2d<f32>,QuarterSamp:texture_2d<f32>,layerCoC:vec2f,isFar:bool,last:i32,polygon:BokehPolygon,layers:BokehLayerContext,BokehLinearClamp:sampler)->BokehTargets{
 let grid=BokehLayerGrid(layers);
 let center=layers.uv*grid.size;
-let zero=vec4f(0.0,0.0,0.0,0.0);
+let zero=vec4f(0.,0.,0.,0.);
 var targets:BokehTargets;
 let blur=BokehLayerBlur(layerCoC,isFar,polygon);
-if(blur.CoC > 0.51)
-{
+if(blur.CoC>.51){
 var L2=zero;
 var L3=zero;
 var L4=zero;
-let L1=BokehLayerLine(LayerSamp,QuarterSamp,1,polygon,false,blur,layers,
-BokehLinearClamp);
-if(last > 2)
-{
-L2=BokehLayerLine(LayerSamp,QuarterSamp,2,polygon,false,blur,layers,
-BokehLinearClamp);
-}
-if(last > 3)
-{
-L3=BokehLayerLine(LayerSamp,QuarterSamp,3,polygon,false,blur,layers,
-BokehLinearClamp);
-}
-if(last > 4)
-{
-L4=BokehLayerLine(LayerSamp,QuarterSamp,4,polygon,false,blur,layers,
-BokehLinearClamp);
-}
+let L1=BokehLayerLine(LayerSamp,QuarterSamp,1,polygon,false,blur,layers,BokehLinearClamp);
+if(last>2){
+L2=BokehLayerLine(LayerSamp,QuarterSamp,2,polygon,false,blur,layers,BokehLinearClamp);}
+if(last>3){
+L3=BokehLayerLine(LayerSamp,QuarterSamp,3,polygon,false,blur,layers,BokehLinearClamp);}
+if(last>4){
+L4=BokehLayerLine(LayerSamp,QuarterSamp,4,polygon,false,blur,layers,BokehLinearClamp);}
 targets.strip2=L1;
 targets.strip3=BokehLayerTarget(3,polygon,L1,L2,zero,zero);
 targets.strip4=BokehLayerTarget(4,polygon,L1,L2,L3,zero);
-targets.strip5=BokehLayerTarget(5,polygon,L1,L2,L3,L4);
-}
-else
-{
+targets.strip5=BokehLayerTarget(5,polygon,L1,L2,L3,L4);}
+else{
 targets.strip2=BokehFetchGrid(LayerSamp,center,grid,BokehLinearClamp);
 targets.strip3=targets.strip2;
 targets.strip4=targets.strip2;
-targets.strip5=targets.strip2;
-}
-return targets;
-}
-fn BokehLayerSecond(Strip2Samp:texture_2d<f32>,Strip3Samp:texture_2d<f32>,
-Strip4Samp:texture_2d<f32>,Strip5Samp:texture_2d<f32>,layerCoC:vec2f,isFar:bool,
-polygon:BokehPolygon,layers:BokehLayerContext,BokehLinearClamp:sampler)->vec4f
-{
+targets.strip5=targets.strip2;}
+return targets;}
+fn BokehLayerSecond(Strip2Samp:texture_2d<f32>,Strip3Samp:texture_2d<f32>,Strip4Samp:texture_2d<f32>,Strip5Samp:texture_2d<f32>,layerCoC:vec2f,isFar:bool,polygon:BokehPolygon,layers:BokehLayerContext,BokehLinearClamp:sampler)->vec4f{
 let grid=BokehLayerGrid(layers);
 let center=layers.uv*grid.size;
-var result=vec4f(0.0,0.0,0.0,0.0);
+var result=vec4f(0.,0.,0.,0.);
 var blur=BokehLayerBlur(layerCoC,isFar,polygon);
 blur.useQuarterLayer=false;
-if(blur.CoC > 0.51)
-{
-result=BokehLayerLine(Strip2Samp,Strip2Samp,2,polygon,true,blur,layers,
-BokehLinearClamp);
-if(polygon.sides > 4)
-{
-result+=BokehLayerLine(Strip3Samp,Strip3Samp,3,polygon,true,blur,layers,
-BokehLinearClamp);
-}
-if(polygon.sides > 6)
-{
-result+=BokehLayerLine(Strip4Samp,Strip4Samp,4,polygon,true,blur,layers,
-BokehLinearClamp);
-}
-if(polygon.sides > 8)
-{
-result+=BokehLayerLine(Strip5Samp,Strip5Samp,5,polygon,true,blur,layers,
-BokehLinearClamp);
-}
-result=result/polygon.area;
-}
-else
-{
-result=BokehFetchGrid(Strip2Samp,center,grid,BokehLinearClamp);
-}
-return result;
-}
-struct BokehLayersTargets
-{
-nearStrip2:vec4f,
-farStrip2:vec4f,
-nearStrip3:vec4f,
-farStrip3:vec4f,
-}
-fn BokehLayersFirst(NearSamp:texture_2d<f32>,NearQuarterSamp:texture_2d<f32>,
-FarSamp:texture_2d<f32>,FarQuarterSamp:texture_2d<f32>,layerCoC:vec2f,
-polygon:BokehPolygon,layers:BokehLayerContext,
-BokehLinearClamp:sampler)->BokehLayersTargets
-{
+if(blur.CoC>.51){
+result=BokehLayerLine(Strip2Samp,Strip2Samp,2,polygon,true,blur,layers,BokehLinearClamp);
+if(polygon.sides>4){
+result+=BokehLayerLine(Strip3Samp,Strip3Samp,3,polygon,true,blur,layers,BokehLinearClamp);}
+if(polygon.sides>6){
+result+=BokehLayerLine(Strip4Samp,Strip4Samp,4,polygon,true,blur,layers,BokehLinearClamp);}
+if(polygon.sides>8){
+result+=BokehLayerLine(Strip5Samp,Strip5Samp,5,polygon,true,blur,layers,BokehLinearClamp);}
+result=result/polygon.area;}
+else{
+result=BokehFetchGrid(Strip2Samp,center,grid,BokehLinearClamp);}
+return result;}
+struct BokehLayersTargets{
+nearStrip2:vec4f,farStrip2:vec4f,nearStrip3:vec4f,farStrip3:vec4f,}
+fn BokehLayersFirst(NearSamp:texture_2d<f32>,NearQuarterSamp:texture_2d<f32>,FarSamp:texture_2d<f32>,FarQuarterSamp:texture_2d<f32>,layerCoC:vec2f,polygon:BokehPolygon,layers:BokehLayerContext,BokehLinearClamp:sampler)->BokehLayersTargets{
 let last=polygon.sides/2;
-let near=BokehLayerFirst(NearSamp,NearQuarterSamp,layerCoC,false,last,
-polygon,layers,BokehLinearClamp);
-let far=BokehLayerFirst(FarSamp,FarQuarterSamp,layerCoC,true,last,polygon,
-layers,BokehLinearClamp);
+let near=BokehLayerFirst(NearSamp,NearQuarterSamp,layerCoC,false,last,polygon,layers,BokehLinearClamp);
+let far=BokehLayerFirst(FarSamp,FarQuarterSamp,layerCoC,true,last,polygon,layers,BokehLinearClamp);
 var targets:BokehLayersTargets;
 targets.nearStrip2=near.strip2;
 targets.farStrip2=far.strip2;
 targets.nearStrip3=near.strip3;
 targets.farStrip3=far.strip3;
-return targets;
-}
-struct BokehBlurred
-{
-near:vec4f,
-far:vec4f,
-}
-fn BokehLayersSecond(NearStrip2Samp:texture_2d<f32>,FarStrip2Samp:texture_2d<f32>,
-NearStrip3Samp:texture_2d<f32>,FarStrip3Samp:texture_2d<f32>,layerCoC:vec2f,
-polygon:BokehPolygon,layers:BokehLayerContext,BokehLinearClamp:sampler)->BokehBlurred
-{
+return targets;}
+struct BokehBlurred{
+near:vec4f,far:vec4f,}
+fn BokehLayersSecond(NearStrip2Samp:texture_2d<f32>,FarStrip2Samp:texture_2d<f32>,NearStrip3Samp:texture_2d<f32>,FarStrip3Samp:texture_2d<f32>,layerCoC:vec2f,polygon:BokehPolygon,layers:BokehLayerContext,BokehLinearClamp:sampler)->BokehBlurred{
 var targets:BokehBlurred;
-targets.near=BokehLayerSecond(NearStrip2Samp,NearStrip3Samp,NearStrip3Samp,NearStrip3Samp,
-layerCoC,false,polygon,layers,BokehLinearClamp);
-targets.far=BokehLayerSecond(FarStrip2Samp,FarStrip3Samp,FarStrip3Samp,FarStrip3Samp,
-layerCoC,true,polygon,layers,BokehLinearClamp);
-return targets;
-}
-fn BokehFetchLayer(LayerSamp:texture_2d<f32>,place:vec2f,grid:BokehGrid,
-BokehLinearClamp:sampler)->vec4f
-{
-var result=vec4f(0.0,0.0,0.0,0.0);
-if(BOKEH_LAYER_CUBIC > 0)
-{
-let texel=floor(place-0.5)+0.5;
+targets.near=BokehLayerSecond(NearStrip2Samp,NearStrip3Samp,NearStrip3Samp,NearStrip3Samp,layerCoC,false,polygon,layers,BokehLinearClamp);
+targets.far=BokehLayerSecond(FarStrip2Samp,FarStrip3Samp,FarStrip3Samp,FarStrip3Samp,layerCoC,true,polygon,layers,BokehLinearClamp);
+return targets;}
+fn BokehFetchLayer(LayerSamp:texture_2d<f32>,place:vec2f,grid:BokehGrid,BokehLinearClamp:sampler)->vec4f{
+var result=vec4f(0.,0.,0.,0.);
+if(BOKEH_LAYER_CUBIC>0){
+let texel=floor(place-.5)+.5;
 let f=place-texel;
-let w0=f*(f*(1.0-0.5*f)-0.5);
-let w2=f*(f*(2.0-1.5*f)+0.5);
-let w3=f*f*(0.5*f-0.5);
-let w12=1.0-w0-w3;
+let w0=f*(f*(1.-.5*f)-.5);
+let w2=f*(f*(2.-1.5*f)+.5);
+let w3=f*f*(.5*f-.5);
+let w12=1.-w0-w3;
 let inner=texel+w2/w12;
 let c=BokehFetchGrid(LayerSamp,inner,grid,BokehLinearClamp);
-let l=BokehFetchGrid(LayerSamp,vec2f(texel.x-1.0,inner.y),grid,
-BokehLinearClamp);
-let r=BokehFetchGrid(LayerSamp,vec2f(texel.x+2.0,inner.y),grid,
-BokehLinearClamp);
-let t=BokehFetchGrid(LayerSamp,vec2f(inner.x,texel.y-1.0),grid,
-BokehLinearClamp);
-let b=BokehFetchGrid(LayerSamp,vec2f(inner.x,texel.y+2.0),grid,
-BokehLinearClamp);
+let l=BokehFetchGrid(LayerSamp,vec2f(texel.x-1.,inner.y),grid,BokehLinearClamp);
+let r=BokehFetchGrid(LayerSamp,vec2f(texel.x+2.,inner.y),grid,BokehLinearClamp);
+let t=BokehFetchGrid(LayerSamp,vec2f(inner.x,texel.y-1.),grid,BokehLinearClamp);
+let b=BokehFetchGrid(LayerSamp,vec2f(inner.x,texel.y+2.),grid,BokehLinearClamp);
 let side=w12.yx/(w12.x*w12.y+(w0.x+w3.x)*w12.y+(w0.y+w3.y)*w12.x);
-let sum=c*(w12.x*side.x)+l*(w0.x*side.x)+r*(w3.x*side.x)+t *
-(w0.y*side.y)+b*(w3.y*side.y);
-result=clamp(sum,min(min(c,min(l,r)),min(t,b)),max(max(c,max(l,r)),max(t,b)));
-}
-else
-{
-result=BokehFetchGrid(LayerSamp,place,grid,BokehLinearClamp);
-}
-return result;
-}
-fn BokehSpreadInverse(CoC:vec2f)->vec2f
-{
-let inverse=1.0/max(CoC*CoC,vec2f(0.000001,0.000001));
-return inverse*(inverse*(16.0*BOKEH_TUNED_PIXEL_BLUR)+4.0);
-}
-struct BokehRingLayout
-{
-radius:f32,
-spacing:f32,
-narrowing:f32,
-}
-fn BokehRingBorder(ring:i32,rings:BokehRingLayout)->f32
-{
-let even=rings.spacing*(f32(ring)+0.5);
-return max(even+even*(even/rings.radius-1.0)*rings.narrowing,min(even,f32(ring) +
-0.5));
-}
-struct BokehGather
-{
-sum:vec4f,
-front:vec4f,
-farFound:f32,
-center:vec2f,
-s:f32,
-inverse:f32,
-nearWeight:f32,
-slopes:vec2f,
-snapping:f32,
-bounds:vec2f,
-inner:f32,
-}
-fn BokehGatherRing(before:BokehGather,MapSamp:texture_2d<f32>,ring:i32,onEdge:i32,
-outer:f32,polygon:BokehPolygon,layers:BokehLayerContext,
-BokehLinearClamp:sampler)->BokehGather
-{
+let sum=c*(w12.x*side.x)+l*(w0.x*side.x)+r*(w3.x*side.x)+t *(w0.y*side.y)+b*(w3.y*side.y);
+result=clamp(sum,min(min(c,min(l,r)),min(t,b)),max(max(c,max(l,r)),max(t,b)));}
+else{
+result=BokehFetchGrid(LayerSamp,place,grid,BokehLinearClamp);}
+return result;}
+fn BokehSpreadInverse(CoC:vec2f)->vec2f{
+let inverse=1./max(CoC*CoC,vec2f(.000001,.000001));
+return inverse*(inverse*(16.*BOKEH_TUNED_PIXEL_BLUR)+4.);}
+struct BokehRingLayout{
+radius:f32,spacing:f32,narrowing:f32,}
+fn BokehRingBorder(ring:i32,rings:BokehRingLayout)->f32{
+let even=rings.spacing*(f32(ring)+.5);
+return max(even+even*(even/rings.radius-1.)*rings.narrowing,min(even,f32(ring) +.5));}
+struct BokehGather{
+sum:vec4f,front:vec4f,farFound:f32,center:vec2f,s:f32,inverse:f32,nearWeight:f32,slopes:vec2f,snapping:f32,bounds:vec2f,inner:f32,}
+fn BokehGatherRing(before:BokehGather,MapSamp:texture_2d<f32>,ring:i32,onEdge:i32,outer:f32,polygon:BokehPolygon,layers:BokehLayerContext,BokehLinearClamp:sampler)->BokehGather{
 var gather=before;
 let full=BokehFullGrid(layers);
-let zero=vec2f(0.0,0.0);
-let one=vec2f(1.0,1.0);
+let zero=vec2f(0.,0.);
+let one=vec2f(1.,1.);
 let outwards=BOKEH_TUNED_RING_POSITION-BOKEH_TUNED_RING_STEP*f32(BOKEH_LAYER_RINGS);
 let current=gather.inner+(outer-gather.inner)*outwards;
 let innerSquare=gather.inner*gather.inner;
 let area=outer*outer-innerSquare;
-var phase=layers.jitter*clamp(current/f32(ring)-1.0,0.0,1.0);
-if(ring != 2)
-{
-phase+=0.5;
-}
+var phase=layers.jitter*clamp(current/f32(ring)-1.,0.,1.);
+if(ring != 2){
+phase+=.5;}
 let right=vec2f(polygon.axis.x*polygon.squeeze,polygon.axis.y)*current;
 let upwards=vec2f(-polygon.axis.y*polygon.squeeze,polygon.axis.x)*current;
-var corner=polygon.corner*2.0;
-let turn=BokehTurn(1.0,polygon);
-var direction=vec2f(-turn.y,turn.x)*2.0;
-for(var edge=1;edge <= polygon.sides/2;edge++)
-{
+var corner=polygon.corner*2.;
+let turn=BokehTurn(1.,polygon);
+var direction=vec2f(-turn.y,turn.x)*2.;
+for(var edge=1;edge<=polygon.sides/2;edge++){
 let alongEdge=direction*BokehEdgeLength(edge,polygon);
 let along=alongEdge/f32(onEdge);
-let cell=(corner.x*along.y-corner.y*along.x)/(8.0*polygon.area);
-for(var i=0;i < onEdge;i++)
-{
+let cell=(corner.x*along.y-corner.y*along.x)/(8.*polygon.area);
+for(var i=0;i<onEdge;i++){
 let upright=corner+along*(f32(i)+phase);
 let place=right*upright.x+upwards*upright.y;
 let texel=floor(place);
-let offset=texel+clamp((place-texel)*(gather.snapping+1.0)-0.5 *
-gather.snapping,zero,one);
-let pixel=BokehFetchAround(MapSamp,gather.center,offset,full,
-BokehLinearClamp);
-let other=BokehFetchAround(MapSamp,gather.center,-offset,full,
-BokehLinearClamp);
+let offset=texel+clamp((place-texel)*(gather.snapping+1.)-.5 *gather.snapping,zero,one);
+let pixel=BokehFetchAround(MapSamp,gather.center,offset,full,BokehLinearClamp);
+let other=BokehFetchAround(MapSamp,gather.center,-offset,full,BokehLinearClamp);
 let CoC=vec2f(pixel.a,other.a)*full.size.y;
-let isBehind=clamp(CoC*2.0-2.0*gather.s,zero,one)*(1.0 -
-gather.nearWeight);
+let isBehind=clamp(CoC*2.-2.*gather.s,zero,one)*(1. -gather.nearWeight);
 var inverse=BokehSpreadInverse(CoC);
 inverse+=(gather.inverse-inverse)*isBehind;
 inverse=clamp(inverse,gather.bounds.xx,gather.bounds.yy);
-var covers=cell*max(min(1.0-innerSquare*inverse,area*inverse),zero);
-let inFar=covers*clamp(CoC*gather.slopes.y-2.0,zero,one);
-covers=covers*(1.0-clamp(CoC * -gather.slopes.x-2.0,zero,one))-inFar;
+var covers=cell*max(min(1.-innerSquare*inverse,area*inverse),zero);
+let inFar=covers*clamp(CoC*gather.slopes.y-2.,zero,one);
+covers=covers*(1.-clamp(CoC * -gather.slopes.x-2.,zero,one))-inFar;
 gather.farFound+=inFar.x+inFar.y;
-gather.sum+=vec4f(pixel.rgb,1.0)*covers.x;
-gather.sum+=vec4f(other.rgb,1.0)*covers.y;
-let inFront=covers*clamp(gather.s-0.5-CoC,zero,one);
-gather.front+=vec4f(pixel.rgb,1.0)*inFront.x;
-gather.front+=vec4f(other.rgb,1.0)*inFront.y;
-}
+gather.sum+=vec4f(pixel.rgb,1.)*covers.x;
+gather.sum+=vec4f(other.rgb,1.)*covers.y;
+let inFront=covers*clamp(gather.s-.5-CoC,zero,one);
+gather.front+=vec4f(pixel.rgb,1.)*inFront.x;
+gather.front+=vec4f(other.rgb,1.)*inFront.y;}
 corner+=alongEdge;
-direction=BokehRotated(direction,turn);
-}
+direction=BokehRotated(direction,turn);}
 gather.inner=outer;
-return gather;
-}
-fn BokehGatherTo(before:BokehGather,MapSamp:texture_2d<f32>,ring:i32,density:i32,end:f32,
-rings:BokehRingLayout,polygon:BokehPolygon,layers:BokehLayerContext,
-BokehLinearClamp:sampler)->BokehGather
-{
+return gather;}
+fn BokehGatherTo(before:BokehGather,MapSamp:texture_2d<f32>,ring:i32,density:i32,end:f32,rings:BokehRingLayout,polygon:BokehPolygon,layers:BokehLayerContext,BokehLinearClamp:sampler)->BokehGather{
 var gather=before;
 let outer=min(BokehRingBorder(ring,rings),end);
-if(ring <= BOKEH_LAYER_RINGS+1&&gather.inner < outer)
-{
-gather=BokehGatherRing(gather,MapSamp,ring,BokehSamplesPerEdge(max(min(density,
-BOKEH_LAYER_RINGS),1),polygon),outer,polygon,layers,BokehLinearClamp);
-}
-return gather;
-}
-fn BokehComposite(MapSamp:texture_2d<f32>,GatherTilesSamp:texture_2d<f32>,
-NearSamp:texture_2d<f32>,FarSamp:texture_2d<f32>,MidFillSamp:texture_2d<f32>,
-FarFillSamp:texture_2d<f32>,polygon:BokehPolygon,layers:BokehLayerContext,
-BokehLinearClamp:sampler)->vec4f
-{
+if(ring<=BOKEH_LAYER_RINGS+1&&gather.inner<outer){
+gather=BokehGatherRing(gather,MapSamp,ring,BokehSamplesPerEdge(max(min(density,BOKEH_LAYER_RINGS),1),polygon),outer,polygon,layers,BokehLinearClamp);}
+return gather;}
+fn BokehComposite(MapSamp:texture_2d<f32>,GatherTilesSamp:texture_2d<f32>,NearSamp:texture_2d<f32>,FarSamp:texture_2d<f32>,MidFillSamp:texture_2d<f32>,FarFillSamp:texture_2d<f32>,polygon:BokehPolygon,layers:BokehLayerContext,BokehLinearClamp:sampler)->vec4f{
 let full=BokehFullGrid(layers);
-let center=floor(layers.uv*full.size)+0.5;
+let center=floor(layers.uv*full.size)+.5;
 let centerPixel=BokehFetchTexel(MapSamp,BokehToTexture(layers.uv));
-let tile=BokehFetchGrid(GatherTilesSamp,center/8.0,BokehReducedGrid(layers,8.0),
-BokehLinearClamp);
+let tile=BokehFetchGrid(GatherTilesSamp,center/8.,BokehReducedGrid(layers,8.),BokehLinearClamp);
 var result=centerPixel.rgb;
 let grid=BokehLayerGrid(layers);
-var nearLayer=vec4f(0.0,0.0,0.0,0.0);
-if(BOKEH_SIDES > 0&&tile.r > BOKEH_TUNED_NEAR_START)
-{
-nearLayer=BokehFetchLayer(NearSamp,center/f32(BOKEH_LAYER_SCALE),grid,
-BokehLinearClamp);
-}
-if(max(tile.r,tile.g) > 1.0&&nearLayer.a*BOKEH_TUNED_NEAR_ALPHA < 1.0)
-{
+var nearLayer=vec4f(0.,0.,0.,0.);
+if(BOKEH_SIDES>0&&tile.r>BOKEH_TUNED_NEAR_START){
+nearLayer=BokehFetchLayer(NearSamp,center/f32(BOKEH_LAYER_SCALE),grid,BokehLinearClamp);}
+if(max(tile.r,tile.g)>1.&&nearLayer.a*BOKEH_TUNED_NEAR_ALPHA<1.){
 var gather:BokehGather;
 let s=centerPixel.a*full.size.y;
 gather.center=center;
@@ -3758,268 +2429,167 @@ let nearWeight=BokehLayerWeight(-s,gather.slopes.x);
 let farWeight=BokehLayerWeight(s,gather.slopes.y);
 gather.nearWeight=nearWeight;
 gather.inverse=BokehSpreadInverse(vec2f(s,s)).x;
-let restRadius=clamp(16.0-16.0*farWeight,0.0,1.0)*(1.0-nearWeight) /
+let restRadius=clamp(16.-16.*farWeight,0.,1.)*(1.-nearWeight) /
 sqrt(gather.inverse);
-var radius=max(max(restRadius,0.01),0.5*max(tile.b,tile.a*farWeight));
-if(BOKEH_LAYER_RINGS==0)
-{
-radius=min(radius,BOKEH_TUNED_SINGLE_RADIUS);
-}
+var radius=max(max(restRadius,.01),.5*max(tile.b,tile.a*farWeight));
+if(BOKEH_LAYER_RINGS==0){
+radius=min(radius,BOKEH_TUNED_SINGLE_RADIUS);}
 var ringLayout:BokehRingLayout;
 ringLayout.radius=radius;
-ringLayout.narrowing=clamp(radius/max(restRadius,1.0)-1.0,0.0,1.0);
-let layerReach=max(tile.g,tile.r+(BOKEH_TUNED_FAR_START -
-BOKEH_TUNED_NEAR_START));
+ringLayout.narrowing=clamp(radius/max(restRadius,1.)-1.,0.,1.);
+let layerReach=max(tile.g,tile.r+(BOKEH_TUNED_FAR_START -BOKEH_TUNED_NEAR_START));
 var denseRings=f32(BOKEH_LAYER_RINGS);
-if(layerReach <= 14.0-4.0*f32(BOKEH_LAYER_CUBIC))
-{
-denseRings+=1.0;
-}
+if(layerReach<=14.-4.*f32(BOKEH_LAYER_CUBIC)){
+denseRings+=1.;}
 var rings=denseRings;
-if(max(nearWeight,farWeight*tile.r*f32(BOKEH_LAYER_RINGS-1)) <= 0.0)
-{
-rings=max(rings,min(radius/BOKEH_TUNED_RING_WIDTH,
-f32(BOKEH_LAYER_RINGS)+1.0));
-}
-ringLayout.spacing=max(min(radius/1.499,1.0),radius/(rings+0.499));
+if(max(nearWeight,farWeight*tile.r*f32(BOKEH_LAYER_RINGS-1))<=0.){
+rings=max(rings,min(radius/BOKEH_TUNED_RING_WIDTH,f32(BOKEH_LAYER_RINGS)+1.));}
+ringLayout.spacing=max(min(radius/1.499,1.),radius/(rings+.499));
 gather.inner=BokehRingBorder(0,ringLayout);
-if(radius < 0.5)
-{
-gather.inner=radius;
-}
-gather.bounds=1.0/vec2f(radius*radius,gather.inner*gather.inner);
-let weight=(1.0-nearWeight)*min(gather.inverse/gather.bounds.y,1.0);
+if(radius<.5){
+gather.inner=radius;}
+gather.bounds=1./vec2f(radius*radius,gather.inner*gather.inner);
+let weight=(1.-nearWeight)*min(gather.inverse/gather.bounds.y,1.);
 gather.farFound=weight*farWeight;
-gather.sum=vec4f(centerPixel.rgb,1.0)*(weight-gather.farFound);
-gather.front=vec4f(0.0,0.0,0.0,0.0);
-gather.snapping=max(tile.r,tile.g-16.0);
+gather.sum=vec4f(centerPixel.rgb,1.)*(weight-gather.farFound);
+gather.front=vec4f(0.,0.,0.,0.);
+gather.snapping=max(tile.r,tile.g-16.);
 var lastInner=radius;
-if(rings > denseRings)
-{
-lastInner=min(BokehRingBorder(BOKEH_LAYER_RINGS,ringLayout),radius);
-}
-if(BOKEH_SIDES > 0)
-{
-if(BOKEH_LAYER_RINGS > 0)
-{
-gather=BokehGatherTo(gather,MapSamp,1,1,lastInner,ringLayout,polygon,
-layers,BokehLinearClamp);
-}
-if(BOKEH_LAYER_RINGS > 1)
-{
-gather=BokehGatherTo(gather,MapSamp,2,2,lastInner,ringLayout,polygon,
-layers,BokehLinearClamp);
-gather=BokehGatherTo(gather,MapSamp,3,3,lastInner,ringLayout,polygon,
-layers,BokehLinearClamp);
-gather=BokehGatherTo(gather,MapSamp,4,4,lastInner,ringLayout,polygon,
-layers,BokehLinearClamp);
-gather=BokehGatherTo(gather,MapSamp,5,5,lastInner,ringLayout,polygon,
-layers,BokehLinearClamp);
-}
-gather=BokehGatherTo(gather,MapSamp,BOKEH_LAYER_RINGS+1,1,radius,ringLayout,
-polygon,layers,BokehLinearClamp);
-}
-else
-{
-for(var ring=1;ring <= BOKEH_LAYER_RINGS+1;ring++)
-{
-if(gather.inner >= radius)
-{
-break;
-}
+if(rings>denseRings){
+lastInner=min(BokehRingBorder(BOKEH_LAYER_RINGS,ringLayout),radius);}
+if(BOKEH_SIDES>0){
+if(BOKEH_LAYER_RINGS>0){
+gather=BokehGatherTo(gather,MapSamp,1,1,lastInner,ringLayout,polygon,layers,BokehLinearClamp);}
+if(BOKEH_LAYER_RINGS>1){
+gather=BokehGatherTo(gather,MapSamp,2,2,lastInner,ringLayout,polygon,layers,BokehLinearClamp);
+gather=BokehGatherTo(gather,MapSamp,3,3,lastInner,ringLayout,polygon,layers,BokehLinearClamp);
+gather=BokehGatherTo(gather,MapSamp,4,4,lastInner,ringLayout,polygon,layers,BokehLinearClamp);
+gather=BokehGatherTo(gather,MapSamp,5,5,lastInner,ringLayout,polygon,layers,BokehLinearClamp);}
+gather=BokehGatherTo(gather,MapSamp,BOKEH_LAYER_RINGS+1,1,radius,ringLayout,polygon,layers,BokehLinearClamp);}
+else{
+for(var ring=1;ring<=BOKEH_LAYER_RINGS+1;ring++){
+if(gather.inner>=radius){
+break;}
 var density=max(min(ring,BOKEH_LAYER_RINGS),1);
-if(f32(ring) > denseRings)
-{
-density=1;
-}
+if(f32(ring)>denseRings){
+density=1;}
 let outer=min(BokehRingBorder(ring,ringLayout),radius);
-gather=BokehGatherRing(gather,MapSamp,ring,BokehSamplesPerEdge(density,
-polygon),outer,polygon,layers,BokehLinearClamp);
-}
-}
-var farLayer=vec4f(0.0,0.0,0.0,0.0);
-if(layerReach > BOKEH_TUNED_FAR_START)
-{
-if(BOKEH_SIDES==0)
-{
-nearLayer=BokehFetchLayer(NearSamp,center/f32(BOKEH_LAYER_SCALE),grid,
-BokehLinearClamp);
-}
-farLayer=BokehFetchLayer(FarSamp,center/f32(BOKEH_LAYER_SCALE),grid,
-BokehLinearClamp);
-}
-let quarters=BokehReducedGrid(layers,4.0);
-let behindNear=clamp(2.0*farWeight*nearLayer.a-0.25+1000.0*nearWeight,
-0.0,1.0);
-var farColor=farLayer.rgb/max(farLayer.a,0.000001);
-if(behindNear > 0.0)
-{
-let farFill=BokehFetchGrid(FarFillSamp,0.25*center,quarters,
-BokehLinearClamp);
-let missing=clamp(1.0-2.0*farLayer.a,0.0,1.0)*behindNear;
+gather=BokehGatherRing(gather,MapSamp,ring,BokehSamplesPerEdge(density,polygon),outer,polygon,layers,BokehLinearClamp);}}
+var farLayer=vec4f(0.,0.,0.,0.);
+if(layerReach>BOKEH_TUNED_FAR_START){
+if(BOKEH_SIDES==0){
+nearLayer=BokehFetchLayer(NearSamp,center/f32(BOKEH_LAYER_SCALE),grid,BokehLinearClamp);}
+farLayer=BokehFetchLayer(FarSamp,center/f32(BOKEH_LAYER_SCALE),grid,BokehLinearClamp);}
+let quarters=BokehReducedGrid(layers,4.);
+let behindNear=clamp(2.*farWeight*nearLayer.a-.25+1000.*nearWeight,0.,1.);
+var farColor=farLayer.rgb/max(farLayer.a,.000001);
+if(behindNear>0.){
+let farFill=BokehFetchGrid(FarFillSamp,.25*center,quarters,BokehLinearClamp);
+let missing=clamp(1.-2.*farLayer.a,0.,1.)*behindNear;
 farColor+=(farFill.rgb-farColor)*missing;
-farLayer=vec4f(farColor*farLayer.a,farLayer.a);
-}
-let sum=gather.sum+farLayer*(gather.farFound*(1.0-max(farWeight,
-nearWeight))/max(farLayer.a,0.001));
+farLayer=vec4f(farColor*farLayer.a,farLayer.a);}
+let sum=gather.sum+farLayer*(gather.farFound*(1.-max(farWeight,nearWeight))/max(farLayer.a,.001));
 let plain=sum+farLayer*farWeight;
-if(plain.a >= 0.001)
-{
+if(plain.a>=.001){
 let rest=plain.a-gather.front.a;
-let open=clamp(1.0-gather.front.a,0.0,1.0)/max(rest,0.1);
-result=(gather.front.rgb+(plain.rgb-gather.front.rgb)*open)/(gather.front.a +
-rest*open);
-}
-if(nearWeight > 0.0)
-{
-let midFill=BokehFetchGrid(MidFillSamp,0.25*center,quarters,
-BokehLinearClamp);
-let inNear=nearLayer.a*min(2.0-2.0*nearWeight,1.0);
-let empty=clamp(1.0-sum.a-inNear,0.0,1.0);
-let cover=empty*clamp((midFill.a-0.3)/0.4,0.0,1.0);
+let open=clamp(1.-gather.front.a,0.,1.)/max(rest,.1);
+result=(gather.front.rgb+(plain.rgb-gather.front.rgb)*open)/(gather.front.a +rest*open);}
+if(nearWeight>0.){
+let midFill=BokehFetchGrid(MidFillSamp,.25*center,quarters,BokehLinearClamp);
+let inNear=nearLayer.a*min(2.-2.*nearWeight,1.);
+let empty=clamp(1.-sum.a-inNear,0.,1.);
+let cover=empty*clamp((midFill.a-.3)/.4,0.,1.);
 let stack=(sum.rgb+midFill.rgb*cover+farColor*(empty-cover)) /
-max(sum.a+empty,0.000001);
-result+=(stack-result)*nearWeight;
-}
-}
-let alpha=clamp(nearLayer.a*BOKEH_TUNED_NEAR_ALPHA,0.0,1.0);
-result=result*(1.0-alpha)+nearLayer.rgb*(alpha/max(nearLayer.a,0.000001));
-return vec4f(result,centerPixel.a);
-}
+max(sum.a+empty,.000001);
+result+=(stack-result)*nearWeight;}}
+let alpha=clamp(nearLayer.a*BOKEH_TUNED_NEAR_ALPHA,0.,1.);
+result=result*(1.-alpha)+nearLayer.rgb*(alpha/max(nearLayer.a,.000001));
+return vec4f(result,centerPixel.a);}
 `,
   bokeh_lens: `
-fn BokehUpdatePolygon(polygon:BokehPolygon)->BokehPolygon
-{
+fn BokehUpdatePolygon(polygon:BokehPolygon)->BokehPolygon{
 var closed=polygon;
-closed.mean=vec2f(0.0,0.0);
-closed.area=0.0;
-var begin=vec2f(0.0,0.0);
-for(var i=1;i <= polygon.sides/2;i++)
-{
+closed.mean=vec2f(0.,0.);
+closed.area=0.;
+var begin=vec2f(0.,0.);
+for(var i=1;i<=polygon.sides/2;i++){
 let edge=BokehEdge(i,polygon);
-if(i < polygon.sides/2)
-{
-closed.mean+=(begin+edge*0.5)/(0.5*f32(polygon.sides)-1.0);
-}
+if(i<polygon.sides/2){
+closed.mean+=(begin+edge*.5)/(.5*f32(polygon.sides)-1.);}
 closed.area+=begin.x*edge.y-begin.y*edge.x;
-begin+=edge;
-}
-closed.corner=begin * -0.5;
+begin+=edge;}
+closed.corner=begin * -.5;
 closed.mean+=closed.corner;
-return closed;
-}
-fn BokehWithRoundness(polygon:BokehPolygon,roundness:f32)->BokehPolygon
-{
+return closed;}
+fn BokehWithRoundness(polygon:BokehPolygon,roundness:f32)->BokehPolygon{
 var result=polygon;
-if(polygon.sides==8)
-{
-let corner=0.39269908*clamp(roundness,0.0,1.0);
-let odd=sin(max(corner,0.001));
-let even=sin(0.78539816-corner);
+if(polygon.sides==8){
+let corner=.39269908*clamp(roundness,0.,1.);
+let odd=sin(max(corner,.001));
+let even=sin(.78539816-corner);
 result.lengths=vec4f(odd,even,odd,even);
-result=BokehUpdatePolygon(result);
-}
-return result;
-}
-fn BokehHalfWidth(k:i32,polygon:BokehPolygon,along:vec2f)->f32
-{
-var width=0.0;
-for(var i=1;i <= polygon.sides/2;i++)
-{
-width+=abs(BokehTurn(f32(i-k),polygon).y)*BokehEdgeLength(i,polygon);
-}
-return 0.5*width*(1.0-abs(dot(along,BokehTurn(f32(k),polygon))));
-}
-fn BokehCutLength(k:i32,widths:BokehPolygon)->f32
-{
+result=BokehUpdatePolygon(result);}
+return result;}
+fn BokehHalfWidth(k:i32,polygon:BokehPolygon,along:vec2f)->f32{
+var width=0.;
+for(var i=1;i<=polygon.sides/2;i++){
+width+=abs(BokehTurn(f32(i-k),polygon).y)*BokehEdgeLength(i,polygon);}
+return .5*width*(1.-abs(dot(along,BokehTurn(f32(k),polygon))));}
+fn BokehCutLength(k:i32,widths:BokehPolygon)->f32{
 let halfWidth=BokehEdgeLength(k,widths);
 let edges=widths.sides/2;
-var ends=vec2f(1.0,1.0);
-for(var i=1;i < edges;i++)
-{
+var ends=vec2f(1.,1.);
+for(var i=1;i<edges;i++){
 let turn=BokehTurn(f32(i),widths);
-let others=vec2f(BokehEdgeLength(k-i+edges,widths),BokehEdgeLength(k+i,
-widths));
-ends=min(ends,(others-halfWidth*turn.x)/turn.y);
-}
-return max(ends.x+ends.y,0.001);
-}
-fn BokehWithCatsEye(polygon:BokehPolygon,uv:vec2f,imageSize:vec2f,amount:f32)->BokehPolygon
-{
-let place=(uv-0.5)*2.0*imageSize/length(imageSize);
-let along=BokehRotated(place,vec2f(polygon.axis.x,-polygon.axis.y))*clamp(amount,
-0.0,0.9);
+let others=vec2f(BokehEdgeLength(k-i+edges,widths),BokehEdgeLength(k+i,widths));
+ends=min(ends,(others-halfWidth*turn.x)/turn.y);}
+return max(ends.x+ends.y,.001);}
+fn BokehWithCatsEye(polygon:BokehPolygon,uv:vec2f,imageSize:vec2f,amount:f32)->BokehPolygon{
+let place=(uv-.5)*2.*imageSize/length(imageSize);
+let along=BokehRotated(place,vec2f(polygon.axis.x,-polygon.axis.y))*clamp(amount,0.,.9);
 var whole=polygon;
-whole.lengths*=clamp((polygon.lengths-0.001)*100000.0,vec4f(0.0,0.0,0.0,0.0),
-vec4f(1.0,1.0,1.0,1.0));
+whole.lengths*=clamp((polygon.lengths-.001)*100000.,vec4f(0.,0.,0.,0.),vec4f(1.,1.,1.,1.));
 var widths=polygon;
-widths.lengths=vec4f(BokehHalfWidth(1,whole,along),BokehHalfWidth(2,whole,along),
-BokehHalfWidth(3,whole,along),BokehHalfWidth(4,whole,along));
+widths.lengths=vec4f(BokehHalfWidth(1,whole,along),BokehHalfWidth(2,whole,along),BokehHalfWidth(3,whole,along),BokehHalfWidth(4,whole,along));
 widths.fifth=BokehHalfWidth(5,whole,along);
 var result=polygon;
-result.lengths=vec4f(BokehCutLength(1,widths),BokehCutLength(2,widths),BokehCutLength(3,
-widths),BokehCutLength(4,widths));
+result.lengths=vec4f(BokehCutLength(1,widths),BokehCutLength(2,widths),BokehCutLength(3,widths),BokehCutLength(4,widths));
 result.fifth=BokehCutLength(5,widths);
-return BokehUpdatePolygon(result);
-}
-struct BokehFocus
-{
-sharpRange:vec2f,
-sideScale:vec2f,
-sideMaxCoC:vec2f,
-}
-fn BokehFocusedCoC(depth:f32,lens:BokehLens,focus:BokehFocus)->f32
-{
+return BokehUpdatePolygon(result);}
+struct BokehFocus{
+sharpRange:vec2f,sideScale:vec2f,sideMaxCoC:vec2f,}
+fn BokehFocusedCoC(depth:f32,lens:BokehLens,focus:BokehFocus)->f32{
 let middle=min(lens.focusDistance,BOKEH_MAX_DEPTH);
 var nearest=lens;
 nearest.focusDistance=clamp(depth,middle-focus.sharpRange.x,middle+focus.sharpRange.y);
 let CoC=BokehSignedCoC(depth,nearest);
-return clamp(min(CoC,0.0)*focus.sideScale.x+max(CoC,0.0)*focus.sideScale.y,
--focus.sideMaxCoC.x,focus.sideMaxCoC.y);
-}
-fn BokehStableMap(MapSamp:texture_2d<f32>,HistorySamp:texture_2d<f32>,
-VelocitySamp:texture_2d<f32>,uv:vec2f,imageSize:vec2f,blend:f32,
-BokehLinearClamp:sampler)->vec4f
-{
+return clamp(min(CoC,0.)*focus.sideScale.x+max(CoC,0.)*focus.sideScale.y,-focus.sideMaxCoC.x,focus.sideMaxCoC.y);}
+fn BokehStableMap(MapSamp:texture_2d<f32>,HistorySamp:texture_2d<f32>,VelocitySamp:texture_2d<f32>,uv:vec2f,imageSize:vec2f,blend:f32,BokehLinearClamp:sampler)->vec4f{
 var pixel=BokehFetchTexel(MapSamp,BokehToTexture(uv));
 var nearest=pixel.a;
-for(var y=0;y < 3;y++)
-{
-for(var x=0;x < 3;x++)
-{
-let place=uv+(vec2f(f32(x),f32(y))-1.0)/imageSize;
-nearest=min(nearest,BokehFetchTexel(MapSamp,BokehToTexture(place)).a);
-}
-}
+for(var y=0;y<3;y++){
+for(var x=0;x<3;x++){
+let place=uv+(vec2f(f32(x),f32(y))-1.)/imageSize;
+nearest=min(nearest,BokehFetchTexel(MapSamp,BokehToTexture(place)).a);}}
 let velocity=BokehFetchTexel(VelocitySamp,BokehToTexture(uv)).rg;
-let before=uv-vec2f(BokehSanitize(velocity.x,-2.0,2.0),BokehSanitize(velocity.y,
--2.0,2.0));
-let history=BokehSanitize(BokehFetch(HistorySamp,before,BokehLinearClamp).a,nearest,
-pixel.a);
-if(max(abs(before.x-0.5),abs(before.y-0.5)) <= 0.5)
-{
-pixel+=vec4f(0.0,0.0,0.0,(history-pixel.a)*clamp(1.0-blend,0.0,1.0));
-}
-return pixel;
-}
-fn BokehLateralColor(PictureSamp:texture_2d<f32>,uv:vec2f,amount:f32,
-BokehLinearClamp:sampler)->vec4f
-{
-let larger=clamp(amount,-0.1,0.1);
-let place=uv-0.5;
+let before=uv-vec2f(BokehSanitize(velocity.x,-2.,2.),BokehSanitize(velocity.y,-2.,2.));
+let history=BokehSanitize(BokehFetch(HistorySamp,before,BokehLinearClamp).a,nearest,pixel.a);
+if(max(abs(before.x-.5),abs(before.y-.5))<=.5){
+pixel+=vec4f(0.,0.,0.,(history-pixel.a)*clamp(1.-blend,0.,1.));}
+return pixel;}
+fn BokehLateralColor(PictureSamp:texture_2d<f32>,uv:vec2f,amount:f32,BokehLinearClamp:sampler)->vec4f{
+let larger=clamp(amount,-.1,.1);
+let place=uv-.5;
 let green=BokehFetch(PictureSamp,uv,BokehLinearClamp);
-let red=BokehFetch(PictureSamp,place/(1.0+larger)+0.5,BokehLinearClamp).r;
-let blue=BokehFetch(PictureSamp,place/(1.0-larger)+0.5,BokehLinearClamp).b;
-return vec4f(red,green.g,blue,green.a);
-}
+let red=BokehFetch(PictureSamp,place/(1.+larger)+.5,BokehLinearClamp).r;
+let blue=BokehFetch(PictureSamp,place/(1.-larger)+.5,BokehLinearClamp).b;
+return vec4f(red,green.g,blue,green.a);}
 `,
   noise: `
-fn BokehNoise(uv:vec2f,imageSize:vec2f,frame:f32,passIndex:f32)->f32
-{
-let number=(8.0*passIndex+1.0)*(frame-64.0*floor(frame/64.0))+passIndex;
-let seed=dot(floor(uv*imageSize),vec2f(0.06711056,0.00583715));
-let value=52.9829189*(seed-floor(seed))+0.515625*number;
-return value-floor(value)-0.5;
-}
+fn BokehNoise(uv:vec2f,imageSize:vec2f,frame:f32,passIndex:f32)->f32{
+let number=(8.*passIndex+1.)*(frame-64.*floor(frame/64.))+passIndex;
+let seed=dot(floor(uv*imageSize),vec2f(.06711056,.00583715));
+let value=52.9829189*(seed-floor(seed))+.515625*number;
+return value-floor(value)-.5;}
 `,
 };

@@ -156,9 +156,10 @@ def _lenses(settings: Settings) -> Iterator[Mistake]:
 
 def _presets(settings: Settings) -> Iterator[Mistake]:
     """Yield the other presets. `layered` has named presets; in exact and paper a preset is a sample count with its
-    spacing.
+    spacing, and MOBILE is the same as LOW.
     """
-    for name in methods.PRESETS if settings.method != "naive" else ():
+    names = [name for name in methods.PRESETS if settings.method == "layered" or name != "mobile"]
+    for name in names if settings.method != "naive" else ():
         samples, spacing = methods.EXACT_PRESETS[name]
         other = replace(settings, samples=samples, spacing=spacing)
         option_text = f"--samples {samples} --spacing {spacing}"

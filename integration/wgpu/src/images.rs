@@ -26,6 +26,17 @@ pub fn depth(device: &Device, queue: &Queue, width: u32, height: u32, values: &[
     uploaded(device, queue, width, height, TextureFormat::R32Float, &bytes)
 }
 
+/// Depth for [`Depth::WeightedByOpacity`](crate::Depth::WeightedByOpacity): metres times opacity, and opacity;
+/// Rg16Float.
+///
+/// # Panics
+///
+/// If `texels` are not `width * height`.
+pub fn weighted_depth(device: &Device, queue: &Queue, width: u32, height: u32, texels: &[[f32; 2]]) -> Texture {
+    let bytes: Vec<u8> = texels.iter().flatten().flat_map(|value| half(*value).to_le_bytes()).collect();
+    uploaded(device, queue, width, height, TextureFormat::Rg16Float, &bytes)
+}
+
 /// The result as a picture: four bytes a pixel, sRGB-encoded, alpha 255. What is brighter than 1 is cut off. It waits
 /// for the GPU.
 ///

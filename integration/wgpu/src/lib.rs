@@ -100,7 +100,7 @@ impl fmt::Display for Error {
                 write!(out, "the {name} texture cannot be read: make it with TextureUsages::TEXTURE_BINDING")
             }
             Self::Format("depth", format) => {
-                write!(out, "depth is {format:?}: use a depth format, or R32Float for metres")
+                write!(out, "depth is {format:?}: use a depth format, R32Float for metres, or Rg16Float")
             }
             Self::Format(name, format) => {
                 write!(out, "{name} is {format:?}: use a float format that can be filtered, as Rgba16Float")
@@ -434,7 +434,8 @@ fn checked(color: &Texture, depth: &Texture) -> Result<(), Error> {
     if color.format().sample_type(None, None) != Some(TextureSampleType::Float { filterable: true }) {
         return Err(Error::Format("colour", color.format()));
     }
-    if !depth.format().has_depth_aspect() && depth.format() != TextureFormat::R32Float {
+    let numbers = [TextureFormat::R32Float, TextureFormat::Rg16Float, TextureFormat::Rg32Float];
+    if !depth.format().has_depth_aspect() && !numbers.contains(&depth.format()) {
         return Err(Error::Format("depth", depth.format()));
     }
     let sizes = [color, depth].map(|texture| (texture.width(), texture.height()));

@@ -126,8 +126,8 @@ fn kinds_of_depth_agree() {
         (Depth::Logarithmic { far }, metres.ln_1p() / far.ln_1p()),
     ];
     let mut textures: Vec<_> = kinds.map(|(kind, value)| (kind, depth(&gpu, WIDTH, HEIGHT, value))).into();
-    let weighted = vec![[0.75 * metres, 0.75, 0.0, 0.0]; (WIDTH * HEIGHT) as usize];
-    textures.push((Depth::WeightedByOpacity, images::color(&gpu.0, &gpu.1, WIDTH, HEIGHT, &weighted)));
+    let weighted = vec![[0.75 * metres, 0.75]; (WIDTH * HEIGHT) as usize];
+    textures.push((Depth::WeightedByOpacity, images::weighted_depth(&gpu.0, &gpu.1, WIDTH, HEIGHT, &weighted)));
     let color = color(&gpu, WIDTH, HEIGHT, 0, 0);
     let bokeh = Bokeh::new(&gpu.0, Method::Layered, Polygon::Hexagon, Preset::Medium);
     let debug = Lens { debug: Some(Debug::CircleOfConfusion), ..lens() };
@@ -222,7 +222,7 @@ fn mistakes_are_errors() {
         "the colour texture cannot be read: make it with TextureUsages::TEXTURE_BINDING",
         "colour has 4 samples a pixel: resolve it first (depth may stay as it is)",
         "colour is Rgba8Uint: use a float format that can be filtered, as Rgba16Float",
-        "depth is Rgba16Float: use a depth format, or R32Float for metres",
+        "depth is Rgba16Float: use a depth format, R32Float for metres, or Rg16Float",
         "colour has 96 x 64 pixels, depth 48 x 64: both need one size",
     ];
     assert_eq!(said, wanted.map(str::to_string));

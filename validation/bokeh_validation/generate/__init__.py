@@ -194,7 +194,7 @@ def web_shaders() -> str:
         texts["noise"] = functions["BokehNoise"]
         lines += ["", f"export const {language.upper()} = {{"]
         for name, text in texts.items():
-            lines += [f"  {name}: `", *map(_compact, _code(text)), "`,"]
+            lines += [f"  {name}: `", *_joined(map(_compact, _code(text))), "`,"]
         lines.append("};")
     return "\n".join(lines) + "\n"
 
@@ -213,17 +213,34 @@ def _code(text: str) -> Iterator[str]:
 
 
 def _compact(line: str) -> str:
-    """Return a line of code without what the language does not need: pages download it. That is spaces, and
-    in WGSL the types of variables that have a value.
+    """Return a line of code without what the language does not need: pages download it. That is spaces, zeros at the
+    ends of numbers, and in WGSL the types of variables that have a value.
 
-    Preprocessor lines, and in WGSL the lines whose values the classes replace, stay as they are.
+    An #error needs no message, since the classes check their options. Other lines of the preprocessor, and in WGSL the
+    lines whose values the classes replace, stay as they are.
     """
     if line.startswith(("#", "override", "alias")):
-        return line
+        return "#error" if line.startswith("#error") else line
     line = re.sub(r"\b(if|for) \(", r"\1(", re.sub(r"(?<=[,:;]) ", "", line))
     line = re.sub(r"^((?:for\()?(?:let|var) \w+):\w+ = ", r"\1 = ", line)
+    line = re.sub(r"(?<![\w.])0(\.\d*[1-9])|(?<![\w.])(\d+\.)0\b", r"\1\2", line)
     # not before a minus: a - -b
-    return re.sub(r" ([-+*/=]=?|&&|->) (?=[\w(])", r"\1", line)
+    return re.sub(r" ([-+*/=<>]=?|&&|->) (?=[\w(.])", r"\1", line)
+
+
+def _joined(lines: Iterable[str]) -> list[str]:
+    """Return lines of code with each brace, and the rest of a statement, at the end of the line before it.
+
+    Lines of the preprocessor stay on their own.
+    """
+    joined = [""]
+    for line in lines:
+        continues = line in ("{", "}") or joined[-1].endswith((",", "(", "+", "-", "*"))
+        if continues and not joined[-1].startswith("#") and not line.startswith("#"):
+            joined[-1] += line
+        else:
+            joined.append(line)
+    return joined[1:]
 
 
 def rust_shaders() -> str:
