@@ -13,7 +13,7 @@ from functools import cache
 from statistics import mean
 
 from bokeh_validation import paths
-from bokeh_validation.probes import lights_apart, thin
+from bokeh_validation.probes import lights_apart, rims, thin
 
 Table = list[list[str]]
 CSV = "docs/data/results.csv"
@@ -71,6 +71,29 @@ def gpu_times() -> tuple[Table, Table]:
     return whole, passes
 
 
+def probed() -> dict[str, Table]:
+    """Return name of a table -> its rows with the header first, for the numbers that probes check."""
+    found = {}
+    for index, name in enumerate(("overlap", "ripple", "light kept")):
+        rows = [
+            [light, *(f"{measures[index]:.2f}" for measures in cases)] for light, cases in lights_apart.RECORDED.items()
+        ]
+        found[f"lights apart, {name}"] = [["light", *lights_apart.METHODS], *rows]
+    rows = [[rim.label, *(f"{value:.2f}" for value in values)] for rim, values in rims.RECORDED.items()]
+    found["near lights with a rim"] = [["light", "ripple", "second outline", "light kept"], *rows]
+    for name, unit, columns, recorded in (
+        ("thin lines", "CoC of the line, pixels", ("copies", "light kept"), thin.LINES),
+        ("slits", "near CoC, pixels", ("light", "brightest"), thin.SLITS),
+    ):
+        header = [unit, *(f"{preset.upper()}: {column}" for preset in thin.PRESETS for column in columns)]
+        values = {coc: [value for preset in thin.PRESETS for value in recorded[coc, preset]] for coc, _ in recorded}
+        texts = [
+            [str(coc), *(f"{v:.2f}" if isinstance(v, float) else str(v) for v in row)] for coc, row in values.items()
+        ]
+        found[name] = [header, *texts]
+    return found
+
+
 def tables() -> dict[str, dict[str, Table]]:
     """Return page -> name of a table -> its rows with the header first, for all tables of measured numbers."""
     measured = {}
@@ -79,15 +102,7 @@ def tables() -> dict[str, dict[str, Table]]:
         measured[f"ray-traced scenes, {name}"] = [["method", *SCENES], *rows]
     one_light = [[label, *text.split("/")] for label, text in data("peers")["one light"].items()]
     measured["one light"] = [["method", "overlap", "light kept"], *one_light]
-    for index, name in enumerate(("overlap", "ripple", "light kept")):
-        rows = [
-            [light, *(f"{measures[index]:.2f}" for measures in cases)] for light, cases in lights_apart.RECORDED.items()
-        ]
-        measured[f"lights apart, {name}"] = [["light", *lights_apart.METHODS], *rows]
-    lines = [[str(coc), str(copies), f"{light:.2f}"] for coc, (copies, light) in thin.LINES.items()]
-    measured["thin lines"] = [["CoC of the line, pixels", "copies", "light kept"], *lines]
-    slits = [[str(coc), *(f"{value:.2f}" for value in values)] for coc, values in thin.SLITS.items()]
-    measured["slits"] = [["near CoC, pixels", "light", "brightest"], *slits]
+    measured |= probed()
     pages = {page: dict(page_tables) for page, page_tables in data("printed")["tables"].items()}
     pages["results-data.md"] = measured | pages["results-data.md"]
     flips = [[*row, f"{flip_means()[row[0]]:.4f}"] for row in measured["ray-traced scenes, FLIP"][1:]]

@@ -9,7 +9,9 @@ from support_cases import judged, result
 
 from bokeh_validation import probes as patterns
 from bokeh_validation.errors import Unavailable
-from bokeh_validation.probes import impulse, near_edges, outcomes, sweep
+from bokeh_validation.frame import geometry
+from bokeh_validation.probes import impulse, near_edges, outcomes, rims, sweep
+from bokeh_validation.probes.highlight import polygon_of
 
 PROBES = {probe.name: probe for probe in patterns.PROBES}
 
@@ -75,3 +77,15 @@ def test_sweep_notices_a_pop():
     outputs["CoC -9.25"] = outputs["CoC -9.75"]
     outputs["CoC -9"] = outputs["CoC -8.25"]
     assert not all(check.ok for check in sweep.SWEEP.judge(outputs))
+
+
+@pytest.mark.parametrize("second", [12, 20, 40])
+def test_rims_notice_a_second_polygon(second):
+    """Check that the outline is above its bound if a twentieth of the light is in a polygon of another CoC, as it is if
+    the rim of a light keeps the CoC of the plane.
+    """
+    rim, image = rims.Rim(-60, second), np.full((*rims.SIZE[::-1], 3), rims.AMBIENT)
+    for coc, part in ((rim.coc, 0.95), (second, 0.05)):
+        coverage = geometry.coverage(polygon_of("hexagon", 0.0, coc), rims.SIZE, rims.MIDDLE)
+        image[..., 2] += part * rims.LIGHT * coverage / coverage.sum()
+    assert rim.measured(image)[1] > rims.OUTLINE

@@ -1,0 +1,125 @@
+"""Probe layered: round near lights as renderers draw them, with an antialiased rim.
+
+Colour is averaged over a pixel, and depth is taken in the pixel's middle. A rim pixel of which the light covers less
+than half thus has some of the light's colour, but the depth of the plane. Such pixels must not show inside the blurred
+light, either as dots or as the outline of a second polygon.
+"""
+
+from itertools import pairwise
+from typing import NamedTuple
+
+import numpy as np
+
+from bokeh_validation.frame import geometry
+from bokeh_validation.frame.aperture_shapes import regular_polygon
+from bokeh_validation.probes.highlight import polygon_of
+from bokeh_validation.probes.lights_apart import settings
+from bokeh_validation.probes.model import Case, Check, Outputs, Probe, depth_of, flat
+from bokeh_validation.probes.near_edges import STEP, metres
+
+LIGHT, AMBIENT = 200.0, 0.125
+SIZE = (128, 128)
+# Off the middle of its pixel, so that the rim is different on each side
+MIDDLE = (64.3, 64.1)
+# CoC of the light in pixels -> its radius in pixels
+RADII = {-24: 2.0, -40: 3.5, -60: 4.5, -80: 5.0}
+# Ripple and outline are measured in the light's polygon shrunk to this: the light's own edge is soft
+INSIDE = 0.75
+RING = 2  # pixels
+# Asked for. A second polygon that covers a part p of the inside, and is brighter by d, has a ripple of
+# d * sqrt(p * (1 - p)), at most d / 2; an outline of the same size is thus at least twice as easy to see.
+RIPPLE = OUTLINE = 0.05
+# Each pixel is stored three times in a layer and once in the result, and every store may lose a STEP of its light.
+# A ripple is a quotient of two such numbers. What was recorded is rounded to a hundredth.
+LIGHT_OFF, RIPPLE_OFF = 4 * STEP + 0.005, 8 * STEP + 0.005
+
+
+class Rim(NamedTuple):
+    """Name a case: the CoC of a light and of the plane behind it, in pixels, and a preset. Near CoC are negative."""
+
+    coc: int
+    plane: int
+    preset: str = "medium"
+
+    @property
+    def label(self) -> str:
+        """Return the name for reports and tables."""
+        plane = f"a plane of {self.plane}" if self.plane else "a plane in focus"
+        return f"CoC {self.coc} on {plane}, {self.preset.upper()}"
+
+    def coverage(self) -> np.ndarray:
+        """Return the fraction of each pixel that the light covers, (H, W)."""
+        return geometry.coverage(2.0 * RADII[self.coc] * regular_polygon(48), SIZE, MIDDLE)
+
+    def case(self) -> Case:
+        """Return a blue light on a plane with a little red, green and blue."""
+        color, depth = flat(SIZE), depth_of(SIZE, metres(self.plane, SIZE[1]))
+        color[..., :3] = 0.01, 0.01, AMBIENT
+        color[..., 2] += LIGHT * self.coverage()
+        y, x = np.mgrid[: SIZE[1], : SIZE[0]] + 0.5
+        depth[np.hypot(x - MIDDLE[0], y - MIDDLE[1]) < RADII[self.coc]] = metres(self.coc, SIZE[1])
+        return Case(self.label, settings("layered", preset=self.preset), color, depth)
+
+    def measured(self, result: np.ndarray) -> tuple[float, float, float]:
+        """Return ripple, outline and the fraction of the light kept in a result (H, W, >= 3).
+
+        The outline is the largest difference in brightness between two rings of the polygon, RING pixels wide, over the
+        mean. The brightness of a ring is its median, which ignores dots; the ripple does not.
+        """
+        blue = result[..., 2] - AMBIENT
+        polygon = polygon_of("hexagon", 0.0, self.coc)
+        y, x = np.mgrid[: SIZE[1], : SIZE[0]] + 0.5 - np.reshape(MIDDLE[::-1], (2, 1, 1))
+        steps = np.arange(RING, INSIDE * abs(self.coc) / 2 + 0.001, RING) / (abs(self.coc) / 2)
+        within = [np.zeros(blue.shape, bool), *(geometry.inside(step * polygon, x, y) for step in steps)]
+        inside = blue[geometry.inside(INSIDE * polygon, x, y)]
+        rings = [np.median(blue[outer & ~inner]) for inner, outer in pairwise(within)]
+        outline = np.ptp(rings) / inside.mean()
+        light = blue.sum() / (LIGHT * self.coverage().sum())
+        return float(inside.std() / inside.mean()), float(outline), float(light)
+
+
+# Ripple, outline and light kept, measured on llvmpipe; docs/results-data.md shows them too. Over a plane in focus the
+# rim stays sharp: the CoC map blurs nothing that is in focus.
+RECORDED = {
+    Rim(-24, 0): (0.61, 0.02, 1.00),
+    Rim(-40, 0): (0.81, 0.02, 1.00),
+    Rim(-60, 0): (0.92, 0.04, 1.00),
+    Rim(-80, 0): (0.86, 0.05, 1.00),
+    Rim(-24, 12): (0.03, 0.03, 1.00),
+    Rim(-40, 12): (0.01, 0.02, 1.00),
+    Rim(-60, 12): (0.02, 0.03, 1.00),
+    Rim(-80, 12): (0.01, 0.02, 1.00),
+    Rim(-24, 40): (0.03, 0.03, 1.00),
+    Rim(-40, 40): (0.01, 0.02, 1.00),
+    Rim(-60, 40): (0.02, 0.03, 1.00),
+    Rim(-80, 40): (0.01, 0.02, 1.00),
+    Rim(-24, 12, "high"): (0.03, 0.03, 1.00),
+    Rim(-40, 12, "high"): (0.02, 0.03, 1.00),
+    Rim(-60, 12, "high"): (0.02, 0.02, 1.00),
+    Rim(-80, 12, "high"): (0.01, 0.02, 1.00),
+}
+
+
+def _judge(outputs: dict[str, Outputs]) -> list[Check]:
+    checks = []
+    for rim, (known_ripple, _, known_light) in RECORDED.items():
+        ripple, outline, light = rim.measured(outputs[rim.label]["result"])
+        # a sharp rim is a known limit, and its ripple is recorded so that a change is seen
+        most = RIPPLE if rim.plane else known_ripple + RIPPLE_OFF
+        checks += [
+            Check(f"ripple, {rim.label}", ripple, 0.0, most, "asked for; over a plane in focus: recorded"),
+            Check(f"second outline, {rim.label}", outline, 0.0, OUTLINE, "asked for"),
+            Check(f"light kept, {rim.label}", light, known_light - LIGHT_OFF, known_light + LIGHT_OFF, "recorded"),
+        ]
+    return checks
+
+
+PROBES = (
+    Probe(
+        "near-light-rim",
+        "A round near light with an antialiased rim",
+        "A flat hexagon, without dots or a smaller polygon inside; over a plane in focus, a sharp rim.",
+        tuple(rim.case() for rim in RECORDED),
+        _judge,
+    ),
+)
