@@ -14,7 +14,7 @@ from bokeh_validation.truth import ray_traced
 from lab import other_effects
 from lab.documents import chart, figures, frame_graph, gallery, likeness
 from lab.other_effects.effects import EFFECTS
-from lab.rasterised import motion, random_score
+from lab.rasterised import motion, motion_maps, random_score
 
 
 class Animation(NamedTuple):
@@ -77,6 +77,11 @@ def pan(driver: Driver) -> Drawn:
     return {"motion_pan": Animation(frames, motion.MILLISECONDS, motion.QUALITY)}
 
 
+def pan_maps(driver: Driver) -> Drawn:
+    """Draw where the error varies in the pan, for docs/methods/layered.md."""
+    return {"motion_maps": motion_maps.sheet(driver)}
+
+
 def focus_pull(driver: Driver) -> Drawn:
     """Draw the README's first image."""
     return {"focus_pull": Animation(gallery.pull(driver), gallery.PULL_MILLISECONDS, gallery.PULL_QUALITY)}
@@ -121,6 +126,7 @@ DRAWINGS = (
     ),
     Drawing(("random_worst",), worst, LAYERED),
     Drawing(("motion_pan",), pan, LAYERED),
+    Drawing(("motion_maps",), pan_maps, LAYERED),
     *(
         Drawing((f"peers_{scene.name}",), partial(others, name=scene.name), ALL, files_of(scene))
         for scene in ray_traced.SCENES
