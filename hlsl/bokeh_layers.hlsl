@@ -564,25 +564,25 @@ BokehPrefiltered BokehPrefilter(BOKEH_TEXTURE MapSamp, BOKEH_TEXTURE DilatedTile
     float2 center = (floor(layers.uv * grid.size) + 0.5) * float(BOKEH_LAYER_SCALE);
     float4 tile = BokehFetchGrid(DilatedTilesSamp, center / 8.0, BokehReducedGrid(layers, 8.0)
         BOKEH_LINEAR);
-    BokehPrefiltered targets;
-    targets.nearLayer = float4(0.0, 0.0, 0.0, 0.0);
-    targets.farLayer = float4(0.0, 0.0, 0.0, 0.0);
-    targets.layerCoCSums = float4(0.0, 0.0, 0.0, 0.0);
-    targets.gatherCoC = float4(0.0, 0.0, 0.0, 1.0);
-    float share = 4.0 / float(BOKEH_LAYER_SCALE * BOKEH_LAYER_SCALE);
-    for (int y = 0; y < BOKEH_LAYER_SCALE / 2; y++)
+    float2 first = center + (1.0 - 0.5 * float(BOKEH_LAYER_SCALE));
+    BokehPrefiltered targets = BokehPrefilterBlock(MapSamp, first, tile, layers BOKEH_LINEAR);
+    if (BOKEH_LAYER_SCALE > 2)
     {
-        for (int x = 0; x < BOKEH_LAYER_SCALE / 2; x++)
+        // a texel covers 4 x 4 pixels, which are three more blocks
+        for (int i = 1; i < 4; i++)
         {
-            float2 middle = center + 2.0 * float2(float(x), float(y)) + (1.0 - 0.5 *
-                float(BOKEH_LAYER_SCALE));
+            float row = floor(0.5 * float(i));
+            float2 middle = first + 2.0 * float2(float(i) - 2.0 * row, row);
             BokehPrefiltered block = BokehPrefilterBlock(MapSamp, middle, tile,
                 layers BOKEH_LINEAR);
-            targets.nearLayer += block.nearLayer * share;
-            targets.farLayer += block.farLayer * share;
-            targets.layerCoCSums += block.layerCoCSums * share;
+            targets.nearLayer += block.nearLayer;
+            targets.farLayer += block.farLayer;
+            targets.layerCoCSums += block.layerCoCSums;
             targets.gatherCoC = max(targets.gatherCoC, block.gatherCoC);
         }
+        targets.nearLayer *= 0.25;
+        targets.farLayer *= 0.25;
+        targets.layerCoCSums *= 0.25;
     }
     return targets;
 }

@@ -518,25 +518,26 @@ fn BokehPrefilter(MapSamp: texture_2d<f32>, DilatedTilesSamp: texture_2d<f32>,
     let center: vec2f = (floor(layers.uv * grid.size) + 0.5) * f32(BOKEH_LAYER_SCALE);
     let tile: vec4f = BokehFetchGrid(DilatedTilesSamp, center / 8.0, BokehReducedGrid(layers, 8.0),
         BokehLinearClamp);
-    var targets: BokehPrefiltered;
-    targets.nearLayer = vec4f(0.0, 0.0, 0.0, 0.0);
-    targets.farLayer = vec4f(0.0, 0.0, 0.0, 0.0);
-    targets.layerCoCSums = vec4f(0.0, 0.0, 0.0, 0.0);
-    targets.gatherCoC = vec4f(0.0, 0.0, 0.0, 1.0);
-    let share: f32 = 4.0 / f32(BOKEH_LAYER_SCALE * BOKEH_LAYER_SCALE);
-    for (var y: i32 = 0; y < BOKEH_LAYER_SCALE / 2; y++)
+    let first: vec2f = center + (1.0 - 0.5 * f32(BOKEH_LAYER_SCALE));
+    var targets: BokehPrefiltered = BokehPrefilterBlock(MapSamp, first, tile,
+        layers, BokehLinearClamp);
+    if (BOKEH_LAYER_SCALE > 2)
     {
-        for (var x: i32 = 0; x < BOKEH_LAYER_SCALE / 2; x++)
+        // a texel covers 4 x 4 pixels, which are three more blocks
+        for (var i: i32 = 1; i < 4; i++)
         {
-            let middle: vec2f = center + 2.0 * vec2f(f32(x), f32(y)) + (1.0 - 0.5 *
-                f32(BOKEH_LAYER_SCALE));
+            let row: f32 = floor(0.5 * f32(i));
+            let middle: vec2f = first + 2.0 * vec2f(f32(i) - 2.0 * row, row);
             let block: BokehPrefiltered = BokehPrefilterBlock(MapSamp, middle, tile,
                 layers, BokehLinearClamp);
-            targets.nearLayer += block.nearLayer * share;
-            targets.farLayer += block.farLayer * share;
-            targets.layerCoCSums += block.layerCoCSums * share;
+            targets.nearLayer += block.nearLayer;
+            targets.farLayer += block.farLayer;
+            targets.layerCoCSums += block.layerCoCSums;
             targets.gatherCoC = max(targets.gatherCoC, block.gatherCoC);
         }
+        targets.nearLayer *= 0.25;
+        targets.farLayer *= 0.25;
+        targets.layerCoCSums *= 0.25;
     }
     return targets;
 }

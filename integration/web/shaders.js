@@ -804,20 +804,20 @@ BokehPrefiltered BokehPrefilter(BOKEH_TEXTURE MapSamp,BOKEH_TEXTURE DilatedTiles
 BokehGrid grid=BokehLayerGrid(layers);
 vec2 center=(floor(layers.uv*grid.size)+.5)*float(BOKEH_LAYER_SCALE);
 vec4 tile=BokehFetchGrid(DilatedTilesSamp,center/8.,BokehReducedGrid(layers,8.));
-BokehPrefiltered targets;
-targets.nearLayer=vec4(0.,0.,0.,0.);
-targets.farLayer=vec4(0.,0.,0.,0.);
-targets.layerCoCSums=vec4(0.,0.,0.,0.);
-targets.gatherCoC=vec4(0.,0.,0.,1.);
-float share=4./float(BOKEH_LAYER_SCALE*BOKEH_LAYER_SCALE);
-for(int y=0;y<BOKEH_LAYER_SCALE/2;y++){
-for(int x=0;x<BOKEH_LAYER_SCALE/2;x++){
-vec2 middle=center+2.*vec2(float(x),float(y))+(1.-.5 *float(BOKEH_LAYER_SCALE));
+vec2 first=center+(1.-.5*float(BOKEH_LAYER_SCALE));
+BokehPrefiltered targets=BokehPrefilterBlock(MapSamp,first,tile,layers);
+if(BOKEH_LAYER_SCALE>2){
+for(int i=1;i<4;i++){
+float row=floor(.5*float(i));
+vec2 middle=first+2.*vec2(float(i)-2.*row,row);
 BokehPrefiltered block=BokehPrefilterBlock(MapSamp,middle,tile,layers);
-targets.nearLayer+=block.nearLayer*share;
-targets.farLayer+=block.farLayer*share;
-targets.layerCoCSums+=block.layerCoCSums*share;
-targets.gatherCoC=max(targets.gatherCoC,block.gatherCoC);}}
+targets.nearLayer+=block.nearLayer;
+targets.farLayer+=block.farLayer;
+targets.layerCoCSums+=block.layerCoCSums;
+targets.gatherCoC=max(targets.gatherCoC,block.gatherCoC);}
+targets.nearLayer*=.25;
+targets.farLayer*=.25;
+targets.layerCoCSums*=.25;}
 return targets;}
 struct BokehTileSums{
 vec4 gatherCoC;
@@ -2040,20 +2040,20 @@ fn BokehPrefilter(MapSamp:texture_2d<f32>,DilatedTilesSamp:texture_2d<f32>,layer
 let grid=BokehLayerGrid(layers);
 let center=(floor(layers.uv*grid.size)+.5)*f32(BOKEH_LAYER_SCALE);
 let tile=BokehFetchGrid(DilatedTilesSamp,center/8.,BokehReducedGrid(layers,8.),BokehLinearClamp);
-var targets:BokehPrefiltered;
-targets.nearLayer=vec4f(0.,0.,0.,0.);
-targets.farLayer=vec4f(0.,0.,0.,0.);
-targets.layerCoCSums=vec4f(0.,0.,0.,0.);
-targets.gatherCoC=vec4f(0.,0.,0.,1.);
-let share=4./f32(BOKEH_LAYER_SCALE*BOKEH_LAYER_SCALE);
-for(var y=0;y<BOKEH_LAYER_SCALE/2;y++){
-for(var x=0;x<BOKEH_LAYER_SCALE/2;x++){
-let middle=center+2.*vec2f(f32(x),f32(y))+(1.-.5 *f32(BOKEH_LAYER_SCALE));
+let first=center+(1.-.5*f32(BOKEH_LAYER_SCALE));
+var targets=BokehPrefilterBlock(MapSamp,first,tile,layers,BokehLinearClamp);
+if(BOKEH_LAYER_SCALE>2){
+for(var i=1;i<4;i++){
+let row=floor(.5*f32(i));
+let middle=first+2.*vec2f(f32(i)-2.*row,row);
 let block=BokehPrefilterBlock(MapSamp,middle,tile,layers,BokehLinearClamp);
-targets.nearLayer+=block.nearLayer*share;
-targets.farLayer+=block.farLayer*share;
-targets.layerCoCSums+=block.layerCoCSums*share;
-targets.gatherCoC=max(targets.gatherCoC,block.gatherCoC);}}
+targets.nearLayer+=block.nearLayer;
+targets.farLayer+=block.farLayer;
+targets.layerCoCSums+=block.layerCoCSums;
+targets.gatherCoC=max(targets.gatherCoC,block.gatherCoC);}
+targets.nearLayer*=.25;
+targets.farLayer*=.25;
+targets.layerCoCSums*=.25;}
 return targets;}
 struct BokehTileSums{
 gatherCoC:vec4f,sums:vec4f,}

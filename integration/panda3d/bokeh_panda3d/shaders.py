@@ -1159,24 +1159,24 @@ BokehLayerContext layers)
 BokehGrid grid = BokehLayerGrid(layers);
 vec2 center = (floor(layers.uv * grid.size) + 0.5) * float(BOKEH_LAYER_SCALE);
 vec4 tile = BokehFetchGrid(DilatedTilesSamp, center / 8.0, BokehReducedGrid(layers, 8.0));
-BokehPrefiltered targets;
-targets.nearLayer = vec4(0.0, 0.0, 0.0, 0.0);
-targets.farLayer = vec4(0.0, 0.0, 0.0, 0.0);
-targets.layerCoCSums = vec4(0.0, 0.0, 0.0, 0.0);
-targets.gatherCoC = vec4(0.0, 0.0, 0.0, 1.0);
-float share = 4.0 / float(BOKEH_LAYER_SCALE * BOKEH_LAYER_SCALE);
-for (int y = 0; y < BOKEH_LAYER_SCALE / 2; y++)
+vec2 first = center + (1.0 - 0.5 * float(BOKEH_LAYER_SCALE));
+BokehPrefiltered targets = BokehPrefilterBlock(MapSamp, first, tile, layers);
+if (BOKEH_LAYER_SCALE > 2)
 {
-for (int x = 0; x < BOKEH_LAYER_SCALE / 2; x++)
+for (int i = 1; i < 4; i++)
 {
-vec2 middle = center + 2.0 * vec2(float(x), float(y)) + (1.0 - 0.5 *
-float(BOKEH_LAYER_SCALE));
-BokehPrefiltered block = BokehPrefilterBlock(MapSamp, middle, tile, layers);
-targets.nearLayer += block.nearLayer * share;
-targets.farLayer += block.farLayer * share;
-targets.layerCoCSums += block.layerCoCSums * share;
+float row = floor(0.5 * float(i));
+vec2 middle = first + 2.0 * vec2(float(i) - 2.0 * row, row);
+BokehPrefiltered block = BokehPrefilterBlock(MapSamp, middle, tile,
+layers);
+targets.nearLayer += block.nearLayer;
+targets.farLayer += block.farLayer;
+targets.layerCoCSums += block.layerCoCSums;
 targets.gatherCoC = max(targets.gatherCoC, block.gatherCoC);
 }
+targets.nearLayer *= 0.25;
+targets.farLayer *= 0.25;
+targets.layerCoCSums *= 0.25;
 }
 return targets;
 }
