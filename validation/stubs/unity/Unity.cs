@@ -144,6 +144,7 @@ namespace UnityEngine
     public class Material : Object
     {
         public void EnableKeyword(string keyword) { }
+        public bool IsKeywordEnabled(string keyword) { return false; }
         public void SetColor(string name, Color value) { }
     }
 
