@@ -83,7 +83,8 @@ def data() -> dict:
         "links": links(address),
         "apertures": {sides: aperture for aperture, sides in EXACT.items()},
         "presets": list(methods.PRESETS),
-        "glsl": glsl,
+        # visitors download it: without comments
+        "glsl": "\n".join(filter(str.strip, shaders.COMMENT.sub("", glsl).splitlines())) + "\n",
         "vertex": shaders.glsl("BokehFullScreen", "300es").removesuffix(glsl),
         "sensor": ray_traced.MARKET.camera.sensor_height,
         "maxCoC": ray_traced.MARKET.camera.max_coc,
