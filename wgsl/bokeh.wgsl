@@ -425,10 +425,12 @@ fn BokehBrightNeighbor(ColorSamp: texture_2d<f32>, uv: vec2f, imageSize: vec2f) 
 // Listing 1: returns the CoC of a pixel beside a light: the light's, if that is nearer to the
 //   camera
 //   A dark pixel and a light keep their own CoC if one of them is in focus, so that nothing sharp
-//   gets blurred and nothing blurred gets sharp. A rim takes that of an object in focus, because it
-//   shows that object's colour. The change fades in while a CoC grows from one pixel to two: the
-//   smaller of both CoC for a dark pixel, the own CoC for a rim. From a pixel behind the focus to a
-//   light in front of it, there is no mixture: the CoC switches.
+//   gets blurred and nothing blurred gets sharp. A rim shows the colour of the light: it takes the
+//   CoC of a light in focus, and it takes that of a blurred light in front of the focus even if the
+//   object behind is in focus, or it would show as a sharp line inside the blurred light. The
+//   change fades in while a CoC grows from one pixel to two: the smaller of both CoC for a dark
+//   pixel; for a rim, the larger of its own CoC and that of a light in front of the focus. From a
+//   pixel behind the focus to a light in front of it, there is no mixture: the CoC switches.
 //   CoC, lightCoC  signed, fractions of the image height
 //   weights       zw of BokehLightBeside or BokehBrightNeighbor
 //   imageHeight   pixels
@@ -436,7 +438,8 @@ fn BokehLightCoC(CoC: f32, lightCoC: f32, weights: vec2f, imageHeight: f32) -> f
 {
     let sharper: f32 = min(abs(CoC), abs(lightCoC));
     let dark: f32 = weights.x * clamp(sharper * imageHeight - 1.0, 0.0, 1.0);
-    let rim: f32 = weights.y * clamp(abs(CoC) * imageHeight - 1.0, 0.0, 1.0);
+    let blurred: f32 = max(abs(CoC), -lightCoC);
+    let rim: f32 = weights.y * clamp(blurred * imageHeight - 1.0, 0.0, 1.0);
     var weight: f32 = max(dark, rim);
     if (lightCoC < 0.0 && CoC > 0.0)
     {
@@ -466,17 +469,13 @@ fn BokehSignedCoCMap(ColorSamp: texture_2d<f32>, DepthSamp: BokehDepthTexture, u
     var depth: f32 = BokehLinearDepth(BokehFetchDepth(DepthSamp, depthUV), kind, planes.x,
         planes.y);
     var CoC: f32 = BokehSignedCoC(depth, lens);
-    // BokehLightCoC leaves a CoC of up to a pixel as it is
-    if (abs(CoC) * imageSize.y > 1.0)
+    let neighbor: vec4f = BokehBrightNeighbor(ColorSamp, uv, imageSize);
+    if (max(neighbor.z, neighbor.w) > 0.0)
     {
-        let neighbor: vec4f = BokehBrightNeighbor(ColorSamp, uv, imageSize);
-        if (max(neighbor.z, neighbor.w) > 0.0)
-        {
-            let offset: vec2f = BokehToTexture(uv + neighbor.xy) - BokehToTexture(uv);
-            depth = BokehLinearDepth(BokehFetchDepth(DepthSamp, depthUV + offset), kind, planes.x,
-                planes.y);
-            CoC = BokehLightCoC(CoC, BokehSignedCoC(depth, lens), neighbor.zw, imageSize.y);
-        }
+        let offset: vec2f = BokehToTexture(uv + neighbor.xy) - BokehToTexture(uv);
+        depth = BokehLinearDepth(BokehFetchDepth(DepthSamp, depthUV + offset), kind, planes.x,
+            planes.y);
+        CoC = BokehLightCoC(CoC, BokehSignedCoC(depth, lens), neighbor.zw, imageSize.y);
     }
     return BokehPackCoC(BokehFetchTexel(ColorSamp, BokehToTexture(uv)), CoC);
 }

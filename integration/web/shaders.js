@@ -200,7 +200,8 @@ return vec4(brightest.xy*pixel,brightest.zw);}
 float BokehLightCoC(float CoC,float lightCoC,vec2 weights,float imageHeight){
 float sharper=min(abs(CoC),abs(lightCoC));
 float dark=weights.x*clamp(sharper*imageHeight-1.,0.,1.);
-float rim=weights.y*clamp(abs(CoC)*imageHeight-1.,0.,1.);
+float blurred=max(abs(CoC),-lightCoC);
+float rim=weights.y*clamp(blurred*imageHeight-1.,0.,1.);
 float weight=max(dark,rim);
 if(lightCoC<0.&&CoC>0.){
 weight=floor(weight+.5);}
@@ -208,12 +209,11 @@ return CoC+(min(lightCoC,CoC)-CoC)*weight;}
 vec4 BokehSignedCoCMap(BOKEH_TEXTURE ColorSamp,BOKEH_DEPTH_TEXTURE DepthSamp,vec2 uv,vec2 depthUV,vec2 imageSize,BokehLens lens,int kind,vec2 planes){
 float depth=BokehLinearDepth(BokehFetchDepth(DepthSamp,depthUV),kind,planes.x,planes.y);
 float CoC=BokehSignedCoC(depth,lens);
-if(abs(CoC)*imageSize.y>1.){
 vec4 neighbor=BokehBrightNeighbor(ColorSamp,uv,imageSize);
 if(max(neighbor.z,neighbor.w)>0.){
 vec2 offset=BokehToTexture(uv+neighbor.xy)-BokehToTexture(uv);
 depth=BokehLinearDepth(BokehFetchDepth(DepthSamp,depthUV+offset),kind,planes.x,planes.y);
-CoC=BokehLightCoC(CoC,BokehSignedCoC(depth,lens),neighbor.zw,imageSize.y);}}
+CoC=BokehLightCoC(CoC,BokehSignedCoC(depth,lens),neighbor.zw,imageSize.y);}
 return BokehPackCoC(BokehFetchTexel(ColorSamp,BokehToTexture(uv)),CoC);}
 struct BokehSamplingSettings{
 float aspectRatio;
@@ -1525,7 +1525,8 @@ return vec4f(brightest.xy*pixel,brightest.zw);}
 fn BokehLightCoC(CoC:f32,lightCoC:f32,weights:vec2f,imageHeight:f32)->f32{
 let sharper=min(abs(CoC),abs(lightCoC));
 let dark=weights.x*clamp(sharper*imageHeight-1.,0.,1.);
-let rim=weights.y*clamp(abs(CoC)*imageHeight-1.,0.,1.);
+let blurred=max(abs(CoC),-lightCoC);
+let rim=weights.y*clamp(blurred*imageHeight-1.,0.,1.);
 var weight=max(dark,rim);
 if(lightCoC<0.&&CoC>0.){
 weight=floor(weight+.5);}
@@ -1533,12 +1534,11 @@ return CoC+(min(lightCoC,CoC)-CoC)*weight;}
 fn BokehSignedCoCMap(ColorSamp:texture_2d<f32>,DepthSamp:BokehDepthTexture,uv:vec2f,depthUV:vec2f,imageSize:vec2f,lens:BokehLens,kind:i32,planes:vec2f)->vec4f{
 var depth=BokehLinearDepth(BokehFetchDepth(DepthSamp,depthUV),kind,planes.x,planes.y);
 var CoC=BokehSignedCoC(depth,lens);
-if(abs(CoC)*imageSize.y>1.){
 let neighbor=BokehBrightNeighbor(ColorSamp,uv,imageSize);
 if(max(neighbor.z,neighbor.w)>0.){
 let offset=BokehToTexture(uv+neighbor.xy)-BokehToTexture(uv);
 depth=BokehLinearDepth(BokehFetchDepth(DepthSamp,depthUV+offset),kind,planes.x,planes.y);
-CoC=BokehLightCoC(CoC,BokehSignedCoC(depth,lens),neighbor.zw,imageSize.y);}}
+CoC=BokehLightCoC(CoC,BokehSignedCoC(depth,lens),neighbor.zw,imageSize.y);}
 return BokehPackCoC(BokehFetchTexel(ColorSamp,BokehToTexture(uv)),CoC);}
 struct BokehSamplingSettings{
 aspectRatio:f32,imageHeight:f32,spacing:f32,jitter:f32,bleedingBias:f32,bleedingMult:f32,}

@@ -89,8 +89,8 @@ def _beside_lights(color: np.ndarray, coc: np.ndarray) -> np.ndarray:
       * A dark pixel. The light's CoC fades in while the light is 4 to 8 times as bright as the pixel. If the sharper of
         the two has a CoC of one pixel or less, each keeps its own; up to two pixels, the change fades in.
       * A pixel on the rim of a light, darker than the light. The light's CoC fades in while the pixel is 1.3 to 1.5
-        times as bright as its darkest neighbour. Up to a CoC of one pixel it keeps its own, except next to a light in
-        focus.
+        times as bright as its darkest neighbour. It keeps its own CoC if that is at most one pixel, unless the light is
+        blurred and in front of the focus.
 
     Between a pixel behind the focus and a light in front of it, the CoC switches without a ramp.
     """
@@ -106,7 +106,8 @@ def _beside_lights(color: np.ndarray, coc: np.ndarray) -> np.ndarray:
     dark = np.clip(ratio / 4.0 - 1.0, 0.0, 1.0)
     dark *= np.clip(np.minimum(np.abs(coc), np.abs(light_coc)) * len(coc) - 1.0, 0.0, 1.0)
     rim = np.clip(5.0 * brightness_here / np.maximum(neighbours.min(axis=0), 1e-7) - 6.5, 0.0, 1.0)
-    rim *= np.clip(10.0 * ratio - 10.0, 0.0, 1.0) * np.clip(np.abs(coc) * len(coc) - 1.0, 0.0, 1.0)
+    rim *= np.clip(10.0 * ratio - 10.0, 0.0, 1.0)
+    rim *= np.clip(np.maximum(np.abs(coc), -light_coc) * len(coc) - 1.0, 0.0, 1.0)
     weight = np.maximum(dark, rim)
     weight = np.where((light_coc < 0.0) & (coc > 0.0), np.round(weight), weight)
     return coc + (np.minimum(coc, light_coc) - coc) * weight

@@ -274,7 +274,8 @@ float BokehLightCoC(float CoC, float lightCoC, vec2 weights, float imageHeight)
 {
 float sharper = min(abs(CoC), abs(lightCoC));
 float dark = weights.x * clamp(sharper * imageHeight - 1.0, 0.0, 1.0);
-float rim = weights.y * clamp(abs(CoC) * imageHeight - 1.0, 0.0, 1.0);
+float blurred = max(abs(CoC), -lightCoC);
+float rim = weights.y * clamp(blurred * imageHeight - 1.0, 0.0, 1.0);
 float weight = max(dark, rim);
 if (lightCoC < 0.0 && CoC > 0.0)
 {
@@ -287,8 +288,6 @@ vec2 depthUV, vec2 imageSize, BokehLens lens, int kind, vec2 planes)
 {
 float depth = BokehLinearDepth(BokehFetchDepth(DepthSamp, depthUV), kind, planes.x, planes.y);
 float CoC = BokehSignedCoC(depth, lens);
-if (abs(CoC) * imageSize.y > 1.0)
-{
 vec4 neighbor = BokehBrightNeighbor(ColorSamp, uv, imageSize);
 if (max(neighbor.z, neighbor.w) > 0.0)
 {
@@ -296,7 +295,6 @@ vec2 offset = BokehToTexture(uv + neighbor.xy) - BokehToTexture(uv);
 depth = BokehLinearDepth(BokehFetchDepth(DepthSamp, depthUV + offset), kind, planes.x,
 planes.y);
 CoC = BokehLightCoC(CoC, BokehSignedCoC(depth, lens), neighbor.zw, imageSize.y);
-}
 }
 return BokehPackCoC(BokehFetchTexel(ColorSamp, BokehToTexture(uv)), CoC);
 }

@@ -536,10 +536,12 @@ float4 BokehBrightNeighbor(BOKEH_TEXTURE ColorSamp, float2 uv, float2 imageSize)
 // Listing 1: returns the CoC of a pixel beside a light: the light's, if that is nearer to the
 //   camera
 //   A dark pixel and a light keep their own CoC if one of them is in focus, so that nothing sharp
-//   gets blurred and nothing blurred gets sharp. A rim takes that of an object in focus, because it
-//   shows that object's colour. The change fades in while a CoC grows from one pixel to two: the
-//   smaller of both CoC for a dark pixel, the own CoC for a rim. From a pixel behind the focus to a
-//   light in front of it, there is no mixture: the CoC switches.
+//   gets blurred and nothing blurred gets sharp. A rim shows the colour of the light: it takes the
+//   CoC of a light in focus, and it takes that of a blurred light in front of the focus even if the
+//   object behind is in focus, or it would show as a sharp line inside the blurred light. The
+//   change fades in while a CoC grows from one pixel to two: the smaller of both CoC for a dark
+//   pixel; for a rim, the larger of its own CoC and that of a light in front of the focus. From a
+//   pixel behind the focus to a light in front of it, there is no mixture: the CoC switches.
 //   CoC, lightCoC  signed, fractions of the image height
 //   weights       zw of BokehLightBeside or BokehBrightNeighbor
 //   imageHeight   pixels
@@ -547,7 +549,8 @@ float BokehLightCoC(float CoC, float lightCoC, float2 weights, float imageHeight
 {
     float sharper = min(abs(CoC), abs(lightCoC));
     float dark = weights.x * clamp(sharper * imageHeight - 1.0, 0.0, 1.0);
-    float rim = weights.y * clamp(abs(CoC) * imageHeight - 1.0, 0.0, 1.0);
+    float blurred = max(abs(CoC), -lightCoC);
+    float rim = weights.y * clamp(blurred * imageHeight - 1.0, 0.0, 1.0);
     float weight = max(dark, rim);
     if (lightCoC < 0.0 && CoC > 0.0)
     {
@@ -576,17 +579,13 @@ float4 BokehSignedCoCMap(BOKEH_TEXTURE ColorSamp, BOKEH_DEPTH_TEXTURE DepthSamp,
 {
     float depth = BokehLinearDepth(BokehFetchDepth(DepthSamp, depthUV), kind, planes.x, planes.y);
     float CoC = BokehSignedCoC(depth, lens);
-    // BokehLightCoC leaves a CoC of up to a pixel as it is
-    if (abs(CoC) * imageSize.y > 1.0)
+    float4 neighbor = BokehBrightNeighbor(ColorSamp, uv, imageSize);
+    if (max(neighbor.z, neighbor.w) > 0.0)
     {
-        float4 neighbor = BokehBrightNeighbor(ColorSamp, uv, imageSize);
-        if (max(neighbor.z, neighbor.w) > 0.0)
-        {
-            float2 offset = BokehToTexture(uv + neighbor.xy) - BokehToTexture(uv);
-            depth = BokehLinearDepth(BokehFetchDepth(DepthSamp, depthUV + offset), kind, planes.x,
-                planes.y);
-            CoC = BokehLightCoC(CoC, BokehSignedCoC(depth, lens), neighbor.zw, imageSize.y);
-        }
+        float2 offset = BokehToTexture(uv + neighbor.xy) - BokehToTexture(uv);
+        depth = BokehLinearDepth(BokehFetchDepth(DepthSamp, depthUV + offset), kind, planes.x,
+            planes.y);
+        CoC = BokehLightCoC(CoC, BokehSignedCoC(depth, lens), neighbor.zw, imageSize.y);
     }
     return BokehPackCoC(BokehFetchTexel(ColorSamp, BokehToTexture(uv)), CoC);
 }

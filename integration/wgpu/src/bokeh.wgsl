@@ -204,7 +204,8 @@ fn BokehLightCoC(CoC: f32, lightCoC: f32, weights: vec2f, imageHeight: f32) -> f
 {
 let sharper: f32 = min(abs(CoC), abs(lightCoC));
 let dark: f32 = weights.x * clamp(sharper * imageHeight - 1.0, 0.0, 1.0);
-let rim: f32 = weights.y * clamp(abs(CoC) * imageHeight - 1.0, 0.0, 1.0);
+let blurred: f32 = max(abs(CoC), -lightCoC);
+let rim: f32 = weights.y * clamp(blurred * imageHeight - 1.0, 0.0, 1.0);
 var weight: f32 = max(dark, rim);
 if (lightCoC < 0.0 && CoC > 0.0)
 {
@@ -218,8 +219,6 @@ depthUV: vec2f, imageSize: vec2f, lens: BokehLens, kind: i32, planes: vec2f) -> 
 var depth: f32 = BokehLinearDepth(BokehFetchDepth(DepthSamp, depthUV), kind, planes.x,
 planes.y);
 var CoC: f32 = BokehSignedCoC(depth, lens);
-if (abs(CoC) * imageSize.y > 1.0)
-{
 let neighbor: vec4f = BokehBrightNeighbor(ColorSamp, uv, imageSize);
 if (max(neighbor.z, neighbor.w) > 0.0)
 {
@@ -227,7 +226,6 @@ let offset: vec2f = BokehToTexture(uv + neighbor.xy) - BokehToTexture(uv);
 depth = BokehLinearDepth(BokehFetchDepth(DepthSamp, depthUV + offset), kind, planes.x,
 planes.y);
 CoC = BokehLightCoC(CoC, BokehSignedCoC(depth, lens), neighbor.zw, imageSize.y);
-}
 }
 return BokehPackCoC(BokehFetchTexel(ColorSamp, BokehToTexture(uv)), CoC);
 }
