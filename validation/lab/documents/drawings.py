@@ -119,6 +119,7 @@ DRAWINGS = (
     Drawing(("flip_by_method",), flip_by_method, ()),
     Drawing(("lights_apart",), gallery.apart, ALL),
     Drawing(("opacity",), gallery.opacity, LAYERED, (MARKET.source,)),
+    Drawing(("icon",), gallery.icon, LAYERED, (MARKET.source,)),
     Drawing(("character_cats_eye",), cats_eye, ALL, (MARKET.source,)),
     *(
         Drawing(tuple(likeness.names(scene)), partial(likeness.likeness, scene=scene), ALL, files_of(scene))

@@ -185,6 +185,15 @@ def opacity(driver: Driver) -> dict[str, np.ndarray]:
     return {"opacity": captioned.grid([panels])}
 
 
+# The part of market_7 with many lights, for stores that want a square icon
+ICON = (776, 72, 176, 176)
+
+
+def icon(driver: Driver) -> dict[str, np.ndarray]:
+    """Draw the icon that Godot's asset library asks for: lights of market_7."""
+    return {"icon": drawn(driver, cut=ICON)}
+
+
 # Lights over a plane of CoC 40, one blurred less and one blurred more, by method and polygon
 APART = (("exact", "hexagon"), ("exact", "octagon"), ("exact", "square"), ("layered", "hexagon"))
 APART_LIGHTS = (lights_apart.Apart(27, 4), lights_apart.Apart(60, 4))
