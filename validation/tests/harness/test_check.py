@@ -64,6 +64,14 @@ def test_mistakes(edit):
     )
 
 
+def test_a_mistake_that_few_frames_show(edit):
+    """Check that a program is drawn in all its frames: only one of BokehLinearDepth's has logarithmic depth."""
+    edit("bokeh", "exp2(value * log2(farPlane + 1.0)) - 1.0", "exp2(value * log2(farPlane + 1.0)) + 1.0", ["wgsl"])
+    text = said(1)
+    assert text.startswith("changed: BokehLinearDepth\nhlsl and wgsl: not the same\n")
+    assert "wgpu: BokehLinearDepth writes " in text and "and on wgpu\n" in text
+
+
 def test_a_compiler_refuses(edit, tmp_path):
     """Check that a compiler's error is reported, and that check refuses to run outside git."""
     edit("bokeh", "CoC = -CoC;", "CoC = -CoD;")
