@@ -97,7 +97,7 @@ TABLE = (
     Option("method", "method", str, "exact, layered (near objects spread as well), paper or naive.",
            aperture_shapes.METHODS),
     Option("aperture", "aperture", str, APERTURES, aperture_shapes.NAMES),
-    Option("preset", "preset", str, "exact, layered: low, medium, high or ultra.", tuple(methods.PRESETS),
+    Option("preset", "preset", str, "exact, layered: mobile, low, medium, high or ultra.", tuple(methods.PRESETS),
            ("exact", "layered"), needs=EITHER),
     Option("samples", "samples", int, "Samples on a line; with --spacing at most, 65. Default: 13; exact: its preset.",
            (2, MAX_SAMPLES, f"2 to {MAX_SAMPLES}"), needs=PRESET),
