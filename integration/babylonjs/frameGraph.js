@@ -40,7 +40,7 @@ export async function addGraph(scene, camera, options) {
   const bokeh = new PolygonBokehTask('bokeh', graph, camera, options);
   bokeh.sourceTexture = objects.outputTexture;
   bokeh.depthTexture = objects.geometryScreenDepthTexture;
-  bokeh.setLens(1.4, 20); // f/1.4, its blur 20 times as wide
+  bokeh.setLens(1.4, 20); // f/1.4, with a blur 20 times as wide as a real lens's
 
   const tone = new FrameGraphImageProcessingTask('tone', graph);
   tone.sourceTexture = bokeh.outputTexture;

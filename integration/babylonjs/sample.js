@@ -9,11 +9,11 @@ import { makeScene } from './scene.js'; // yours
 // Depth of field for what the camera sees. `options` are those of PolygonBokeh.
 export function addBokeh(camera, options) {
   const bokeh = new PolygonBokeh(camera, options);
-  bokeh.setLens(1.4, 20); // f/1.4, its blur 20 times as wide
+  bokeh.setLens(1.4, 20); // f/1.4, with a blur 20 times as wide as a real lens's
   return bokeh;
 }
 
-// Tone mapping and sRGB, last; with it the scene is drawn linear and without an upper limit
+// Adds tone mapping and sRGB as the last step; the scene itself is then drawn in linear colour, without an upper limit
 function addTone(camera) {
   const { imageProcessingConfiguration: tone } = camera.getScene();
   tone.toneMappingEnabled = true;

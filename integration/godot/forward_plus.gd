@@ -15,7 +15,7 @@ func _ready() -> void:
 # What the inspector does under Camera3D > Compositor
 func add_bokeh(to: Camera3D) -> PolygonBokehEffect:
 	var made := PolygonBokehEffect.new()
-	made.f_stop = 0.7 # its blur is ten times as wide: bokeh_scale
+	made.f_stop = 0.7 # bokeh_scale is 10, so the blur is ten times as wide as a real lens's
 	to.compositor = Compositor.new()
 	to.compositor.compositor_effects = [made]
 	return made

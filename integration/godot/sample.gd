@@ -14,10 +14,10 @@ func _ready() -> void:
 	bokeh = add_bokeh(camera, stage.subject)
 
 
-# What a scene file does that has PolygonBokeh below its camera
+# Does the same as a scene file that has a PolygonBokeh below its camera
 func add_bokeh(to: Camera3D, subject: Node3D) -> PolygonBokeh:
 	var made := PolygonBokeh.new()
-	made.f_stop = 0.7 # its blur is ten times as wide: bokeh_scale
+	made.f_stop = 0.7 # bokeh_scale is 10, so the blur is ten times as wide as a real lens's
 	made.target = subject
 	to.add_child(made)
 	return made

@@ -17,7 +17,7 @@ app.start();
 // The camera component with depth of field. `options` are those of PolygonBokehFrame.
 export function addBokeh(app, camera, options) {
   const frame = new PolygonBokehFrame(app, camera, options);
-  frame.setLens(1.4, 20); // f/1.4, its blur 20 times as wide
+  frame.setLens(1.4, 20); // f/1.4, with a blur 20 times as wide as a real lens's
   frame.rendering.toneMapping = TONEMAP_ACES; // which is done after the bokeh, with sRGB
   frame.update();
   return frame;

@@ -11,7 +11,7 @@ const { scene, camera, subject } = makeScene(640 / 480);
 
 export const composer = new EffectComposer(renderer, { frameBufferType: HalfFloatType });
 export const bokeh = new PolygonBokehPass(camera);
-bokeh.setLens(1.4, 20); // f/1.4, its blur 20 times as wide
+bokeh.setLens(1.4, 20); // f/1.4, with a blur 20 times as wide as a real lens's
 bokeh.focusOn(subject);
 composer.addPass(new RenderPass(scene, camera));
 composer.addPass(bokeh);

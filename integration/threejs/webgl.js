@@ -16,7 +16,7 @@ export function addBokeh(renderer, scene, camera, options) {
   const target = new WebGLRenderTarget(1, 1, { type: HalfFloatType, depthTexture });
   const composer = new EffectComposer(renderer, target);
   const bokeh = new PolygonBokehPass(camera, options);
-  bokeh.setLens(1.4, 20); // f/1.4, its blur 20 times as wide
+  bokeh.setLens(1.4, 20); // f/1.4, with a blur 20 times as wide as a real lens's
   composer.addPass(new RenderPass(scene, camera));
   composer.addPass(bokeh);
   composer.addPass(new OutputPass()); // tone mapping and sRGB, last
@@ -32,7 +32,7 @@ export const { scene, camera, subject } = makeScene(WIDTH / HEIGHT);
 export const { composer, bokeh } = addBokeh(renderer, scene, camera);
 composer.setSize(WIDTH, HEIGHT); // also gives the targets of 1 x 1 pixel their size
 
-bokeh.focusOn(subject); // again where camera or subject move
+bokeh.focusOn(subject); // call it again when the camera or the subject moves
 composer.render(); // in each frame
 
 // A click focuses on what is there. With a render loop of your own, leave the last argument out.

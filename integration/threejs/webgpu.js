@@ -12,7 +12,7 @@ const HEIGHT = 480;
 // { pipeline, bokeh }: the scene with depth of field. `options` are those of PolygonBokehNode.
 export function addBokeh(renderer, scene, camera, options) {
   const bokeh = new PolygonBokehNode(pass(scene, camera), options);
-  bokeh.setLens(1.4, 20); // f/1.4, its blur 20 times as wide
+  bokeh.setLens(1.4, 20); // f/1.4, with a blur 20 times as wide as a real lens's
   const pipeline = new RenderPipeline(renderer, bokeh); // which does tone mapping and sRGB, last
   return { pipeline, bokeh };
 }

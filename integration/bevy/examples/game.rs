@@ -15,7 +15,7 @@ fn setup(mut commands: Commands, mut meshes: ResMut<Assets<Mesh>>, mut materials
         Camera3d::default(),
         Projection::from(PerspectiveProjection { fov, ..default() }),
         Transform::from_xyz(0.0, 1.0, 5.0).looking_at(Vec3::Y, Vec3::Y),
-        // f/0.1 in a model of 1 : 10 or so: a strong blur, to see it at once
+        // f/2.8 with a bokeh scale of 28: a strong blur, to see it at once
         Bokeh { focus_distance: 5.0, ..Bokeh::with_lens(fov, 2.8, 28.0) },
     ));
     commands

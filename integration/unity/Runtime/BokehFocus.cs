@@ -53,7 +53,7 @@ namespace PolygonalBokeh
             return nearest;
         }
 
-        // 1 / distance goes the way: docs/lens.md
+        // 1 / distance changes evenly, not the distance: docs/lens.md
         public void Pull(float nearest, float seconds)
         {
             float k = 1.0f - Mathf.Exp(-seconds / pullTime);

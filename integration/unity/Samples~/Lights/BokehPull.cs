@@ -9,7 +9,7 @@ public sealed class BokehPull : MonoBehaviour
 {
     void Update()
     {
-        // 1 / distance goes the way: docs/lens.md
+        // 1 / distance changes evenly, not the distance: docs/lens.md
         float share = Mathf.PingPong(0.25f * Time.time, 1.0f);
         GetComponent<BokehFocus>().distance = 1.0f / Mathf.Lerp(0.5f, 0.05f, share);
     }

@@ -89,7 +89,7 @@ bool Bokeh::FocusOnPixel(const APlayerController& Player, const FVector2D& Pixel
 
 void Bokeh::PullFocus(const APlayerController& Player, const TArray<FVector2D>& Pixels, float DeltaSeconds, float Tau)
 {
-    // 1 / distance goes the way: docs/lens.md. Where nothing is hit, 1000 km
+    // 1 / distance changes evenly, not the distance: docs/lens.md. Where nothing is hit, 1000 km
     float Nearest = 1e-6f;
     for (const FVector2D& Pixel : Pixels)
     {

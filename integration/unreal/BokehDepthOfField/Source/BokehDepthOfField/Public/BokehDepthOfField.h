@@ -13,13 +13,14 @@ namespace Bokeh
     // Focus on a place in the world
     BOKEHDEPTHOFFIELD_API void FocusOn(const APlayerController& Player, const FVector& WorldPosition);
 
-    // Focus on what is seen at a pixel of the viewport. False where nothing is that blocks the Visibility channel.
+    // Focus on what is seen at a pixel of the viewport. Returns false if nothing there blocks the Visibility channel.
     BOKEHDEPTHOFFIELD_API bool FocusOnPixel(const APlayerController& Player, const FVector2D& Pixel);
 
-    // Autofocus, each frame: towards the nearest of what is seen at these pixels, with Tau seconds as time constant
+    // Autofocus, to be called in each frame: moves the focus towards the nearest thing seen at these pixels; Tau is the
+    // time constant in seconds
     BOKEHDEPTHOFFIELD_API void PullFocus(
         const APlayerController& Player, const TArray<FVector2D>& Pixels, float DeltaSeconds, float Tau = 0.2f);
 
-    // Give the focus back to the camera: that of a cine camera or a post-process volume, or 5 m
+    // Use the camera's focus again: the focus distance of a cine camera or a post-process volume, or 5 m if there is none
     BOKEHDEPTHOFFIELD_API void FollowCamera();
 }
