@@ -284,7 +284,7 @@ def choices() -> Iterator[str]:
         yield f"| {wish} | {method} | {len(planned['passes'])} | {count} |"
     page = "methods/polygons.md#shapes-and-methods"
     yield f"| triangles, pentagons, stars | `paper`, [with passes for the shape]({page}) | 5 to 7 | |"
-    yield "| any other shape | `naive`, a table of offsets | 3 | |"
+    yield "| any other shape | `naive`, which gathers at sample offsets that you supply in a table | 3 | |"
 
 
 def passes_page() -> Iterator[str]:
