@@ -2,7 +2,7 @@
 
 import pytest
 
-from bokeh_validation import paths
+from bokeh_validation import compile_matrix, paths
 
 # Folders with the code that makes the frame, runs a sample and judges its result
 HARNESS = ("browser", "drivers", "engines", "frame", "numerics", "plan", "probes", "reference", "shaders", "windows")
@@ -19,30 +19,45 @@ FOLDERS = {
     "direct3d11": ("direct3d9",),
     **dict.fromkeys(("threejs", "babylonjs", "playcanvas"), ("web",)),
 }
+# The text of the shaders, in the repository and in the integrations. `generate` writes what integrations know of it
+# into other files: parameters, passes, sizes.
+SHADER_TEXT = (
+    "glsl/*", "hlsl/*", "wgsl/*", "integration/*/bokeh*.hlsl", "integration/*/bokeh*.ush", "integration/*/bokeh.wgsl",
+    "integration/*/bokeh*.gdshaderinc", "integration/web/shaders.js", "integration/panda3d/*/shaders.py",
+)  # fmt: skip
+# A sample for each language and API that takes the shaders; after an edit of the shaders these are drawn again
+DRAWN_AGAIN = (
+    "opengl", "direct3d9", "direct3d11", "vulkan-glsl", "wgpu", "threejs-webgl", "threejs-webgpu", "godot", "reshade",
+)  # fmt: skip
 # Inputs of the compilation of the shaders
-COMPILERS = ("browser", "compile_matrix", "compilers", "shaders", "windows", "needs.py")
 COMPILED = (
     *paths.LANGUAGES,
-    *(f"validation/bokeh_validation/{name}" for name in COMPILERS),
-    "validation/requirements.txt",
+    *(f"validation/{name}" for name in compile_matrix.CODE),
     "validation/tests/harness/test_compile.py",
 )
 
 
-def inputs(*names: str) -> pytest.MarkDecorator:
+def inputs(*names: str, of_code: bool = False) -> pytest.MarkDecorator:
     """Mark a test with these folders and files of the repository, the shaders, and the code that runs and judges a
     sample.
+
+    of_code  the test is about a sample's or the page's own code: an edit of the shaders that changes neither parameters
+             nor passes does not repeat it, except with --all
     """
-    return pytest.mark.inputs(*SHARED, *names)
+    return pytest.mark.inputs(*SHARED, *names, leave_out=SHADER_TEXT if of_code else ())
 
 
-def of_sample(name: str) -> pytest.MarkDecorator:
-    """Mark a test with the inputs of a sample of integration/, such as 'threejs-webgl'."""
+def of_sample(name: str, of_code: bool = False) -> pytest.MarkDecorator:
+    """Mark a test with the inputs of a sample of integration/, such as 'threejs-webgl'; `of_code` as for inputs()."""
     folder = name.partition("-")[0]
     more = ["validation/godot"] if folder == "godot" else []
-    return inputs(*(f"integration/{each}" for each in (folder, *FOLDERS.get(folder, ()))), *more)
+    folders = (f"integration/{each}" for each in (folder, *FOLDERS.get(folder, ())))
+    return inputs(*folders, *more, of_code=of_code)
 
 
-def samples(names) -> list:
-    """Return samples as parameters of a test, each marked with its inputs."""
-    return [pytest.param(name, marks=of_sample(name)) for name in names]
+def samples(names, drawn_again: tuple[str, ...] = ()) -> list:
+    """Return samples as parameters of a test, each marked with its inputs.
+
+    drawn_again  samples whose test is repeated after every edit of the shaders
+    """
+    return [pytest.param(name, marks=of_sample(name, of_code=name not in drawn_again)) for name in names]

@@ -1,18 +1,27 @@
 """Compile every program of variants.py with every compiler that accepts it; tests/harness/test_compile.py does so."""
 
+import json
 import os
 import re
 from collections import defaultdict
 from collections.abc import Callable, Iterable
 from dataclasses import asdict, dataclass, field
+from functools import cache
 
 from rich.table import Table
 
-from bokeh_validation import paths, shaders
-from bokeh_validation.compile_matrix.registry import COMPILERS
+from bokeh_validation import files, locks, paths, shaders
+from bokeh_validation.compile_matrix.registry import COMPILERS, linked_with
 from bokeh_validation.errors import Unavailable
+from bokeh_validation.shaders import calls
 from bokeh_validation.shaders.variants import Program
 
+# What outcomes depend on apart from the shaders: the code that builds programs and runs compilers, and their versions
+CODE = (
+    *(f"bokeh_validation/{name}" for name in ("browser", "compile_matrix", "compilers", "shaders", "windows")),
+    "bokeh_validation/needs.py",
+    "requirements.txt",
+)
 OK, FAILED, MISSING = "ok", "failed", "missing"
 STYLES = {FAILED: "bold red", MISSING: "yellow", OK: "green"}
 
@@ -107,9 +116,40 @@ def _words(column: str, cells: list[Cell]) -> str:
     return text + (f" (up to {max(slots)} slots)" if slots else "")
 
 
-def compile_programs(programs: Iterable[Program], edit: Callable[[str], str] | None = None) -> Compilation:
-    """Compile all programs; `edit` changes the text of each shader beforehand."""
+def compile_programs(
+    programs: Iterable[Program], edit: Callable[[str], str] | None = None, kept: bool = False
+) -> Compilation:
+    """Compile all programs.
+
+    edit  changes the text of each shader beforehand
+    kept  take the outcome of a program from the cache folder if it was accepted before and its code, without functions
+          that it does not call, is the same
+    """
+    if kept:
+        return Compilation([_kept(program) for program in programs])
     return Compilation([_row(program, edit(program.source) if edit else program.source) for program in programs])
+
+
+def _kept(program: Program) -> Row:
+    text = shaders.text(program.language)
+    code = {**calls.program(text, program.function), **calls.program(text, linked_with(program).function)}
+    declared = calls.declared(text, code)
+    digest = locks.digest([_code(), repr(program), *map(repr, (sorted(code.items()), sorted(declared)))])
+    file = paths.ensured(paths.cache_folder() / "compiled") / f"{digest[:32]}.json"
+    if file.exists():
+        return Row(program, {name: Cell(**cell) for name, cell in json.loads(file.read_bytes()).items()})
+    row = _row(program, program.source)
+    if all(cell.status == OK for cell in row.cells.values()):
+        text = json.dumps({name: asdict(cell) for name, cell in row.cells.items()})
+        files.whole(file, lambda target: target.write_text(text, encoding="utf-8"))
+    return row
+
+
+@cache
+def _code() -> str:
+    found = (paths.VALIDATION / name for name in CODE)
+    paths_found = (file for path in found for file in (sorted(path.rglob("*.*")) if path.is_dir() else [path]))
+    return locks.digest(file for file in paths_found if file.suffix != ".pyc")
 
 
 def _row(program: Program, source: str) -> Row:

@@ -37,14 +37,14 @@ def _glslang(program: Program, source: str | bytes) -> CompileResult:
     return glslang.spirv(source, program.stage, glslang.OPENGL if program.profile == "330" else glslang.VULKAN)
 
 
-def _other(program: Program) -> Program:
+def linked_with(program: Program) -> Program:
     """Return the program of the other stage that a program is linked with, with the package's defaults."""
     return replace(program, entry=VERTEX if program.stage == "frag" else "BokehCoCMap", samples=None)
 
 
 def _linked(link: Callable[[str, str], CompileResult], program: Program, source: str) -> CompileResult:
     """Link GLSL with its other stage."""
-    other = _other(program)
+    other = linked_with(program)
     pair = {program.stage: source, other.stage: other.source}
     return link(pair["vert"], pair["frag"])
 
@@ -56,7 +56,7 @@ def _pipeline(build: Callable[..., CompileResult], program: Program, code: str |
     """
     if program.profile == "slang":
         return naga.module(code.decode())
-    other, constants, partner = _other(program), program.configuration, code
+    other, constants, partner = linked_with(program), program.configuration, code
     if program.language == "hlsl":
         constants, partner = {}, _dxc_once(other.source, other.stage, other.function).binary
     pair = {

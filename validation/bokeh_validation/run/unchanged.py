@@ -1,9 +1,11 @@
 """Skip a test whose inputs have not changed since it last passed here (pytest); --all runs it.
 
 `@pytest.mark.inputs(path, ...)` names everything that the test's outcome depends on: files and folders, relative to
-the repository's root. Several marks add up.
+the repository's root. Several marks add up. `@pytest.mark.inputs(path, ..., leave_out=(pattern, ...))` leaves out some
+files of the folders, by patterns for their paths.
 """
 
+from fnmatch import fnmatch
 from functools import cache
 
 import pytest
@@ -15,20 +17,30 @@ LEFT_BEHIND = (".pyc",)
 
 
 @cache
-def digest_of(name: str) -> str:
-    """Return a digest of a file, or of all files of a folder by their paths and contents."""
+def digest_of(name: str, leave_out: tuple[str, ...] = ()) -> str:
+    """Return a digest of a file, or of all files of a folder by their paths and contents.
+
+    name       path below the repository's root
+    leave_out  patterns of paths below the root; files that match one are no inputs
+    """
     root = paths.ROOT / name
     if not root.exists():
         raise ValueError(f"pytest.mark.inputs: there is no {name}")
     files = [root] if root.is_file() else [path for path in root.rglob("*") if path.is_file()]
     named_files = sorted((path.relative_to(paths.ROOT).as_posix(), path) for path in files)
-    return locks.digest(part for name, path in named_files if path.suffix not in LEFT_BEHIND for part in (name, path))
+    return locks.digest(
+        part
+        for name, path in named_files
+        if path.suffix not in LEFT_BEHIND and not any(fnmatch(name, pattern) for pattern in leave_out)
+        for part in (name, path)
+    )
 
 
 def _state(item: pytest.Item) -> str | None:
     """Return a digest of a test's inputs, or None if it declares none."""
-    names = sorted({name for mark in item.iter_markers("inputs") for name in mark.args})
-    return locks.digest(map(digest_of, names)) if names else None
+    marks = [(mark.args, mark.kwargs.get("leave_out", ())) for mark in item.iter_markers("inputs")]
+    found = sorted({(name, leave_out) for names, leave_out in marks for name in names})
+    return locks.digest(digest_of(name, leave_out) for name, leave_out in found) if found else None
 
 
 def _key(item: pytest.Item) -> str:
@@ -44,7 +56,9 @@ def _of_report(config: pytest.Config) -> bool:
 
 def pytest_configure(config):
     """Register the mark."""
-    config.addinivalue_line("markers", "inputs(*paths): skipped while these are what they were when it passed")
+    config.addinivalue_line(
+        "markers", "inputs(*paths, leave_out=()): skipped while these are what they were when it passed"
+    )
 
 
 def pytest_collection_modifyitems(config, items):

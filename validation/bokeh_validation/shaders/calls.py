@@ -47,10 +47,15 @@ def _words(code: str) -> frozenset[str]:
 
 
 def declared(text: str, code: Mapping[str, str]) -> frozenset[str]:
-    """Return the lines outside functions that declare what these functions use, and those without a name of the
-    package.
+    """Return the lines outside functions that declare what these functions use, directly or through the value of
+    another name, and those without a name of the package.
     """
-    names_used = frozenset().union(*map(_words, code.values()))
+    names_used, before = set().union(*map(_words, code.values())), set()
+    while names_used != before:
+        before = set(names_used)
+        for line, words in _outside(text):
+            if "=" in line or line.startswith("#define"):
+                names_used |= words if words & before else set()
     return frozenset(line for line, words in _outside(text) if not words or words & names_used)
 
 

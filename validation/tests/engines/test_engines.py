@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from PIL import Image
 from support import needed
-from support_inputs import of_sample, samples
+from support_inputs import DRAWN_AGAIN, of_sample, samples
 
 from bokeh_validation import engines, paths, process
 from bokeh_validation.engines import bevy, cargo, pages, vulkan, wgpu
@@ -79,7 +79,7 @@ def check_pull(folder, metres):
 
 # Bevy's first build takes a quarter of an hour
 @pytest.mark.timeout(4000)
-@pytest.mark.parametrize("name", samples(engines.ENGINES))
+@pytest.mark.parametrize("name", samples(engines.ENGINES, DRAWN_AGAIN))
 def test_sample(name, request, hand_over):
     """Run a sample and check hexagon and octagon by exact and usually paper, and the layered hexagon, which is its
     default.
@@ -120,7 +120,7 @@ bokeh-bevy = {{ {} = "{}" }}
 """
 
 
-@of_sample("bevy")
+@of_sample("bevy", of_code=True)
 @pytest.mark.timeout(4000)
 @pytest.mark.parametrize("way", ["path", "git"])
 def test_bevy_dependency(way, request):
@@ -145,7 +145,7 @@ def test_bevy_dependency(way, request):
         cargo.build(bevy.NAME, project)
 
 
-@of_sample(wgpu.NAME)
+@of_sample(wgpu.NAME, of_code=True)
 @pytest.mark.timeout(1200)
 def test_wgpu_crate():
     """Run the crate's own tests, and build its documentation without warnings."""
@@ -156,7 +156,7 @@ def test_wgpu_crate():
         cargo.build(wgpu.NAME, crate, "--no-deps", command="doc", extra={"RUSTDOCFLAGS": "-D warnings"})
 
 
-@of_sample(wgpu.NAME)
+@of_sample(wgpu.NAME, of_code=True)
 @pytest.mark.timeout(1200)
 def test_wgpu_program(tmp_path):
     """Build an empty project with the guide's commands and its program, at most 25 lines, and check the image that it

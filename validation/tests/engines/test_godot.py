@@ -11,7 +11,7 @@ from support_pages import SIZE, assert_debug_views, pixels
 from bokeh_validation import browser
 from bokeh_validation.engines import godot
 
-pytestmark = of_sample("godot")
+pytestmark = of_sample("godot", of_code=True)
 
 
 @pytest.fixture(scope="module")

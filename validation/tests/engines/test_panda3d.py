@@ -17,7 +17,7 @@ COMMIT = "git init -q && git add . && git -c user.name=x -c user.email=x commit 
 WRONG = "from bokeh_panda3d import DepthOfField as D; D.change(None, sides=5)"
 
 
-@of_sample("panda3d")
+@of_sample("panda3d", of_code=True)
 @pytest.mark.parametrize("form", ["folder", "git"])
 def test_installed(form, tmp_path):
     """Install the package from a folder, and with git from a repository, and let the sample draw its image with it.

@@ -19,7 +19,11 @@ SAMPLES = [paths.ROOT / "integration" / name for name in ("threejs", "babylonjs"
 
 pytestmark = [
     pytest.mark.timeout(1500),
-    inputs(*(str(path.relative_to(paths.ROOT)) for path in (WEB, *SAMPLES)), "validation/tests/support_node.py"),
+    inputs(
+        *(str(path.relative_to(paths.ROOT)) for path in (WEB, *SAMPLES)),
+        "validation/tests/support_node.py",
+        of_code=True,
+    ),
 ]
 
 
@@ -30,7 +34,11 @@ def project(tmp_path_factory):
         return pages.copied(WEB, tmp_path_factory.mktemp("web") / "repository", SAMPLES)
 
 
-@pytest.mark.parametrize("file", files(WEB))
+# Limits the size of the shaders' text, so it is repeated when that changes
+SIZES = pytest.mark.inputs("integration/web/shaders.js")
+
+
+@pytest.mark.parametrize("file", [pytest.param(name, marks=SIZES if "install" in name else ()) for name in files(WEB)])
 def test_by_node(project, file):
     """Check that every test in a file of integration/web/test passes."""
     assert_passes(project, file)

@@ -57,11 +57,14 @@ def cells_of(result: Compilation, variant: str) -> list[tuple[Program, str, Cell
 @pytest.mark.inputs(*COMPILED)
 @pytest.mark.parametrize("variant", VARIANTS)
 def test_accepted(variant, request, hand_over):
-    """Compile all programs of a variant; for a brief report only a few."""
+    """Compile all programs of a variant; for a brief report only a few. A program that is as it was when it was
+    accepted is compiled only with --all.
+    """
     report = request.config.getoption("--report")
     brief = report == BRIEF
     programs = load(quick=brief, main=brief or not (report or request.config.getoption("--all")))
-    result = compile_programs(one for one in programs if one.variant == variant)
+    kept = not (report or request.config.getoption("--all"))
+    result = compile_programs((one for one in programs if one.variant == variant), kept=kept)
     hand_over(result)
     cells = cells_of(result, variant)
     assert cells and [(program.name, name, cell) for program, name, cell in cells if cell.status != OK] == []

@@ -47,30 +47,35 @@ def test_longest_first(pytester):
 
 
 def test_unchanged(pytester, monkeypatch):
-    """Check that a test runs once, is then skipped until a file in its folders changes, and is never skipped after a
-    failure.
+    """Check that a test runs once, is then skipped until a file in its folders changes, except a file that it leaves
+    out, and is never skipped after a failure.
     """
     monkeypatch.setattr(paths, "ROOT", pytester.path)
     folder = pytester.mkdir("folder")
+    (folder / "copies").mkdir()
     (folder / "value").write_text("1")
     pytester.makeconftest(CONFTEST)
     pytester.makepyfile(
         """
         import pathlib, pytest
-        @pytest.mark.inputs("folder")
+        @pytest.mark.inputs("folder", leave_out=("folder/copies/*",))
         def test(): assert pathlib.Path("folder/value").read_text() != "0"
         """
     )
 
-    for value, arguments, expected in (
-        ("1", (), "passed"),
-        ("1", (), "skipped"),
-        ("1", ("--all",), "passed"),
-        ("0", (), "failed"),
-        ("0", (), "failed"),
-        ("1", (), "skipped"),
+    for index, (value, arguments, expected) in enumerate(
+        (
+            ("1", (), "passed"),
+            ("1", (), "skipped"),
+            ("1", ("--all",), "passed"),
+            ("0", (), "failed"),
+            ("0", (), "failed"),
+            ("1", (), "skipped"),
+            ("2", (), "passed"),
+        )
     ):
         (folder / "value").write_text(value)
+        (folder / "copies/value").write_text(str(index))
         unchanged.digest_of.cache_clear()
         passed, skipped, failed = pytester.inline_run(*arguments).listoutcomes()
         assert {"passed": passed, "skipped": skipped, "failed": failed}[expected], (value, arguments)
