@@ -170,6 +170,11 @@
 #define BOKEH_TUNED_RIM_START 1.3
 #define BOKEH_TUNED_RIM_FULL 1.5
 
+// The rim of a near light is blurred even in focus if the light is this many times as bright as the
+// darkest neighbour of the rim; above it, this fades in up to twice as many. With a lower limit,
+// texture in focus gets blurred beside near objects; with a higher one, more rims stay sharp.
+#define BOKEH_TUNED_RIM_LIGHT 64.0
+
 // `exact` gives a sharp sample this weight on a ray in front of the focus. With a lower one, a near
 // light is denser on its own pixels than beside them; with a higher one, sharp objects leak.
 #define BOKEH_TUNED_SHARP_WEIGHT 0.5
@@ -466,7 +471,7 @@ vec3 BokehBrighter(vec3 brightest, vec4 color, vec2 direction)
 //   right, left, below, above  colours of the neighbours; below is the next row in memory; for a
 //                 neighbour outside the image, give the colour of this pixel
 //   returns       xy = direction of the light, pixels; zw = weights for BokehLightCoC: z for a dark
-//                 pixel, w for a rim
+//                 pixel; w for a rim, up to 2 if the light is bright enough to blur one in focus
 vec4 BokehLightBeside(vec4 color, vec4 right, vec4 left, vec4 below, vec4 above)
 {
     float brightness = max(BokehBrightness(color), 0.0000001);
@@ -480,10 +485,12 @@ vec4 BokehLightBeside(vec4 color, vec4 right, vec4 left, vec4 below, vec4 above)
     float ratio = brightest.z / brightness;
     float dark = clamp((ratio - BOKEH_TUNED_LIGHT_START) / (BOKEH_TUNED_LIGHT_FULL -
         BOKEH_TUNED_LIGHT_START), 0.0, 1.0);
-    float rim = clamp((brightness / max(darkest, 0.0000001) - BOKEH_TUNED_RIM_START) /
+    float overDarkest = 1.0 / max(darkest, 0.0000001);
+    float rim = clamp((brightness * overDarkest - BOKEH_TUNED_RIM_START) /
         (BOKEH_TUNED_RIM_FULL - BOKEH_TUNED_RIM_START), 0.0, 1.0) *
         clamp(10.0 * ratio - 10.0, 0.0, 1.0);
-    return vec4(brightest.xy, dark, rim);
+    float light = clamp(brightest.z * overDarkest / BOKEH_TUNED_RIM_LIGHT - 1.0, 0.0, 1.0);
+    return vec4(brightest.xy, dark, rim + rim * light);
 }
 
 // Listing 1: finds the light beside a pixel in a texture, see BokehLightBeside
@@ -506,12 +513,12 @@ vec4 BokehBrightNeighbor(BOKEH_TEXTURE ColorSamp, vec2 uv, vec2 imageSize)
 // Listing 1: returns the CoC of a pixel beside a light: the light's, if that is nearer to the
 //   camera
 //   A dark pixel and a light keep their own CoC if one of them is in focus, so that nothing sharp
-//   gets blurred and nothing blurred gets sharp. A rim shows the colour of the light: it takes the
-//   CoC of a light in focus, and it takes that of a blurred light in front of the focus even if the
-//   object behind is in focus, or it would show as a sharp line inside the blurred light. The
-//   change fades in while a CoC grows from one pixel to two: the smaller of both CoC for a dark
-//   pixel; for a rim, the larger of its own CoC and that of a light in front of the focus. From a
-//   pixel behind the focus to a light in front of it, there is no mixture: the CoC switches.
+//   gets blurred and nothing blurred gets sharp. A rim takes the CoC of a light in focus, because
+//   it shows the light's colour. If the rim has the depth of an object in focus, it takes only the
+//   CoC of a bright light in front of the focus, inside whose blur it would show as a sharp line.
+//   The change fades in while a CoC grows from one pixel to two: the smaller of both CoC for a dark
+//   pixel, the own CoC for a rim, the light's for the rim of a bright near light. From a pixel
+//   behind the focus to a light in front of it, there is no mixture: the CoC switches.
 //   CoC, lightCoC  signed, fractions of the image height
 //   weights       zw of BokehLightBeside or BokehBrightNeighbor
 //   imageHeight   pixels
@@ -519,9 +526,10 @@ float BokehLightCoC(float CoC, float lightCoC, vec2 weights, float imageHeight)
 {
     float sharper = min(abs(CoC), abs(lightCoC));
     float dark = weights.x * clamp(sharper * imageHeight - 1.0, 0.0, 1.0);
-    float blurred = max(abs(CoC), -lightCoC);
-    float rim = weights.y * clamp(blurred * imageHeight - 1.0, 0.0, 1.0);
-    float weight = max(dark, rim);
+    float rim = min(weights.y, 1.0) * clamp(abs(CoC) * imageHeight - 1.0, 0.0, 1.0);
+    float bright = clamp(weights.y - 1.0, 0.0, 1.0) * clamp(-lightCoC * imageHeight - 1.0, 0.0,
+        1.0);
+    float weight = max(dark, max(rim, bright));
     if (lightCoC < 0.0 && CoC > 0.0)
     {
         // in between lies a CoC of 0: a mixture would be sharp

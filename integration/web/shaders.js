@@ -56,6 +56,7 @@ export const GLSL = {
 #define BOKEH_TUNED_LIGHT_FULL 8.0
 #define BOKEH_TUNED_RIM_START 1.3
 #define BOKEH_TUNED_RIM_FULL 1.5
+#define BOKEH_TUNED_RIM_LIGHT 64.0
 #define BOKEH_TUNED_SHARP_WEIGHT 0.5
 #define BOKEH_TUNED_DENSE_RATIO 0.25
 #if BOKEH_NUM_SAMPLES < 2
@@ -188,9 +189,11 @@ brightest=BokehBrighter(brightest,below,vec2(0.,1.));
 brightest=BokehBrighter(brightest,above,vec2(0.,-1.));
 float ratio=brightest.z/brightness;
 float dark=clamp((ratio-BOKEH_TUNED_LIGHT_START)/(BOKEH_TUNED_LIGHT_FULL -BOKEH_TUNED_LIGHT_START),0.,1.);
-float rim=clamp((brightness/max(darkest,.0000001)-BOKEH_TUNED_RIM_START) /
+float overDarkest=1./max(darkest,.0000001);
+float rim=clamp((brightness*overDarkest-BOKEH_TUNED_RIM_START) /
 (BOKEH_TUNED_RIM_FULL-BOKEH_TUNED_RIM_START),0.,1.) *clamp(10.*ratio-10.,0.,1.);
-return vec4(brightest.xy,dark,rim);}
+float light=clamp(brightest.z*overDarkest/BOKEH_TUNED_RIM_LIGHT-1.,0.,1.);
+return vec4(brightest.xy,dark,rim+rim*light);}
 vec4 BokehBrightNeighbor(BOKEH_TEXTURE ColorSamp,vec2 uv,vec2 imageSize){
 vec2 pixel=1./max(imageSize,vec2(1.,1.));
 vec2 right=vec2(pixel.x,0.);
@@ -200,9 +203,9 @@ return vec4(brightest.xy*pixel,brightest.zw);}
 float BokehLightCoC(float CoC,float lightCoC,vec2 weights,float imageHeight){
 float sharper=min(abs(CoC),abs(lightCoC));
 float dark=weights.x*clamp(sharper*imageHeight-1.,0.,1.);
-float blurred=max(abs(CoC),-lightCoC);
-float rim=weights.y*clamp(blurred*imageHeight-1.,0.,1.);
-float weight=max(dark,rim);
+float rim=min(weights.y,1.)*clamp(abs(CoC)*imageHeight-1.,0.,1.);
+float bright=clamp(weights.y-1.,0.,1.)*clamp(-lightCoC*imageHeight-1.,0.,1.);
+float weight=max(dark,max(rim,bright));
 if(lightCoC<0.&&CoC>0.){
 weight=floor(weight+.5);}
 return CoC+(min(lightCoC,CoC)-CoC)*weight;}
@@ -1413,6 +1416,7 @@ const BOKEH_TUNED_LIGHT_START:f32=4.;
 const BOKEH_TUNED_LIGHT_FULL:f32=8.;
 const BOKEH_TUNED_RIM_START:f32=1.3;
 const BOKEH_TUNED_RIM_FULL:f32=1.5;
+const BOKEH_TUNED_RIM_LIGHT:f32=64.;
 const BOKEH_TUNED_SHARP_WEIGHT:f32=.5;
 const BOKEH_TUNED_DENSE_RATIO:f32=.25;
 alias BokehDepthTexture = texture_2d<f32>;
@@ -1513,9 +1517,11 @@ brightest=BokehBrighter(brightest,below,vec2f(0.,1.));
 brightest=BokehBrighter(brightest,above,vec2f(0.,-1.));
 let ratio=brightest.z/brightness;
 let dark=clamp((ratio-BOKEH_TUNED_LIGHT_START)/(BOKEH_TUNED_LIGHT_FULL -BOKEH_TUNED_LIGHT_START),0.,1.);
-let rim=clamp((brightness/max(darkest,.0000001)-BOKEH_TUNED_RIM_START) /
+let overDarkest=1./max(darkest,.0000001);
+let rim=clamp((brightness*overDarkest-BOKEH_TUNED_RIM_START) /
 (BOKEH_TUNED_RIM_FULL-BOKEH_TUNED_RIM_START),0.,1.) *clamp(10.*ratio-10.,0.,1.);
-return vec4f(brightest.xy,dark,rim);}
+let light=clamp(brightest.z*overDarkest/BOKEH_TUNED_RIM_LIGHT-1.,0.,1.);
+return vec4f(brightest.xy,dark,rim+rim*light);}
 fn BokehBrightNeighbor(ColorSamp:texture_2d<f32>,uv:vec2f,imageSize:vec2f)->vec4f{
 let pixel=1./max(imageSize,vec2f(1.,1.));
 let right=vec2f(pixel.x,0.);
@@ -1525,9 +1531,9 @@ return vec4f(brightest.xy*pixel,brightest.zw);}
 fn BokehLightCoC(CoC:f32,lightCoC:f32,weights:vec2f,imageHeight:f32)->f32{
 let sharper=min(abs(CoC),abs(lightCoC));
 let dark=weights.x*clamp(sharper*imageHeight-1.,0.,1.);
-let blurred=max(abs(CoC),-lightCoC);
-let rim=weights.y*clamp(blurred*imageHeight-1.,0.,1.);
-var weight=max(dark,rim);
+let rim=min(weights.y,1.)*clamp(abs(CoC)*imageHeight-1.,0.,1.);
+let bright=clamp(weights.y-1.,0.,1.)*clamp(-lightCoC*imageHeight-1.,0.,1.);
+var weight=max(dark,max(rim,bright));
 if(lightCoC<0.&&CoC>0.){
 weight=floor(weight+.5);}
 return CoC+(min(lightCoC,CoC)-CoC)*weight;}

@@ -90,7 +90,7 @@ def _beside_lights(color: np.ndarray, coc: np.ndarray) -> np.ndarray:
         the two has a CoC of one pixel or less, each keeps its own; up to two pixels, the change fades in.
       * A pixel on the rim of a light, darker than the light. The light's CoC fades in while the pixel is 1.3 to 1.5
         times as bright as its darkest neighbour. It keeps its own CoC if that is at most one pixel, unless the light is
-        blurred and in front of the focus.
+        blurred, in front of the focus, and at least 64 to 128 times as bright as the darkest neighbour.
 
     Between a pixel behind the focus and a light in front of it, the CoC switches without a ramp.
     """
@@ -105,10 +105,12 @@ def _beside_lights(color: np.ndarray, coc: np.ndarray) -> np.ndarray:
     ratio = np.maximum(brightness / brightness_here, 1.0)
     dark = np.clip(ratio / 4.0 - 1.0, 0.0, 1.0)
     dark *= np.clip(np.minimum(np.abs(coc), np.abs(light_coc)) * len(coc) - 1.0, 0.0, 1.0)
-    rim = np.clip(5.0 * brightness_here / np.maximum(neighbours.min(axis=0), 1e-7) - 6.5, 0.0, 1.0)
-    rim *= np.clip(10.0 * ratio - 10.0, 0.0, 1.0)
-    rim *= np.clip(np.maximum(np.abs(coc), -light_coc) * len(coc) - 1.0, 0.0, 1.0)
-    weight = np.maximum(dark, rim)
+    darkest = np.maximum(neighbours.min(axis=0), 1e-7)
+    rim = np.clip(5.0 * brightness_here / darkest - 6.5, 0.0, 1.0) * np.clip(10.0 * ratio - 10.0, 0.0, 1.0)
+    rim *= 1.0 + np.clip(ratio * brightness_here / darkest / 64.0 - 1.0, 0.0, 1.0)
+    bright = np.clip(rim - 1.0, 0.0, 1.0) * np.clip(-light_coc * len(coc) - 1.0, 0.0, 1.0)
+    rim = np.minimum(rim, 1.0) * np.clip(np.abs(coc) * len(coc) - 1.0, 0.0, 1.0)
+    weight = np.maximum(dark, np.maximum(rim, bright))
     weight = np.where((light_coc < 0.0) & (coc > 0.0), np.round(weight), weight)
     return coc + (np.minimum(coc, light_coc) - coc) * weight
 

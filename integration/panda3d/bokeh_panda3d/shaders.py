@@ -54,6 +54,7 @@ GLSL = r"""
 #define BOKEH_TUNED_LIGHT_FULL 8.0
 #define BOKEH_TUNED_RIM_START 1.3
 #define BOKEH_TUNED_RIM_FULL 1.5
+#define BOKEH_TUNED_RIM_LIGHT 64.0
 #define BOKEH_TUNED_SHARP_WEIGHT 0.5
 #define BOKEH_TUNED_DENSE_RATIO 0.25
 #if BOKEH_NUM_SAMPLES < 2
@@ -253,10 +254,12 @@ brightest = BokehBrighter(brightest, above, vec2(0.0, -1.0));
 float ratio = brightest.z / brightness;
 float dark = clamp((ratio - BOKEH_TUNED_LIGHT_START) / (BOKEH_TUNED_LIGHT_FULL -
 BOKEH_TUNED_LIGHT_START), 0.0, 1.0);
-float rim = clamp((brightness / max(darkest, 0.0000001) - BOKEH_TUNED_RIM_START) /
+float overDarkest = 1.0 / max(darkest, 0.0000001);
+float rim = clamp((brightness * overDarkest - BOKEH_TUNED_RIM_START) /
 (BOKEH_TUNED_RIM_FULL - BOKEH_TUNED_RIM_START), 0.0, 1.0) *
 clamp(10.0 * ratio - 10.0, 0.0, 1.0);
-return vec4(brightest.xy, dark, rim);
+float light = clamp(brightest.z * overDarkest / BOKEH_TUNED_RIM_LIGHT - 1.0, 0.0, 1.0);
+return vec4(brightest.xy, dark, rim + rim * light);
 }
 vec4 BokehBrightNeighbor(BOKEH_TEXTURE ColorSamp, vec2 uv, vec2 imageSize)
 {
@@ -274,9 +277,10 @@ float BokehLightCoC(float CoC, float lightCoC, vec2 weights, float imageHeight)
 {
 float sharper = min(abs(CoC), abs(lightCoC));
 float dark = weights.x * clamp(sharper * imageHeight - 1.0, 0.0, 1.0);
-float blurred = max(abs(CoC), -lightCoC);
-float rim = weights.y * clamp(blurred * imageHeight - 1.0, 0.0, 1.0);
-float weight = max(dark, rim);
+float rim = min(weights.y, 1.0) * clamp(abs(CoC) * imageHeight - 1.0, 0.0, 1.0);
+float bright = clamp(weights.y - 1.0, 0.0, 1.0) * clamp(-lightCoC * imageHeight - 1.0, 0.0,
+1.0);
+float weight = max(dark, max(rim, bright));
 if (lightCoC < 0.0 && CoC > 0.0)
 {
 weight = floor(weight + 0.5);

@@ -11,6 +11,7 @@ const BOKEH_TUNED_LIGHT_START: f32 = 4.0;
 const BOKEH_TUNED_LIGHT_FULL: f32 = 8.0;
 const BOKEH_TUNED_RIM_START: f32 = 1.3;
 const BOKEH_TUNED_RIM_FULL: f32 = 1.5;
+const BOKEH_TUNED_RIM_LIGHT: f32 = 64.0;
 const BOKEH_TUNED_SHARP_WEIGHT: f32 = 0.5;
 const BOKEH_TUNED_DENSE_RATIO: f32 = 0.25;
 alias BokehDepthTexture = texture_2d<f32>;
@@ -183,10 +184,12 @@ brightest = BokehBrighter(brightest, above, vec2f(0.0, -1.0));
 let ratio: f32 = brightest.z / brightness;
 let dark: f32 = clamp((ratio - BOKEH_TUNED_LIGHT_START) / (BOKEH_TUNED_LIGHT_FULL -
 BOKEH_TUNED_LIGHT_START), 0.0, 1.0);
-let rim: f32 = clamp((brightness / max(darkest, 0.0000001) - BOKEH_TUNED_RIM_START) /
+let overDarkest: f32 = 1.0 / max(darkest, 0.0000001);
+let rim: f32 = clamp((brightness * overDarkest - BOKEH_TUNED_RIM_START) /
 (BOKEH_TUNED_RIM_FULL - BOKEH_TUNED_RIM_START), 0.0, 1.0) *
 clamp(10.0 * ratio - 10.0, 0.0, 1.0);
-return vec4f(brightest.xy, dark, rim);
+let light: f32 = clamp(brightest.z * overDarkest / BOKEH_TUNED_RIM_LIGHT - 1.0, 0.0, 1.0);
+return vec4f(brightest.xy, dark, rim + rim * light);
 }
 fn BokehBrightNeighbor(ColorSamp: texture_2d<f32>, uv: vec2f, imageSize: vec2f) -> vec4f
 {
@@ -204,9 +207,10 @@ fn BokehLightCoC(CoC: f32, lightCoC: f32, weights: vec2f, imageHeight: f32) -> f
 {
 let sharper: f32 = min(abs(CoC), abs(lightCoC));
 let dark: f32 = weights.x * clamp(sharper * imageHeight - 1.0, 0.0, 1.0);
-let blurred: f32 = max(abs(CoC), -lightCoC);
-let rim: f32 = weights.y * clamp(blurred * imageHeight - 1.0, 0.0, 1.0);
-var weight: f32 = max(dark, rim);
+let rim: f32 = min(weights.y, 1.0) * clamp(abs(CoC) * imageHeight - 1.0, 0.0, 1.0);
+let bright: f32 = clamp(weights.y - 1.0, 0.0, 1.0) * clamp(-lightCoC * imageHeight - 1.0, 0.0,
+1.0);
+var weight: f32 = max(dark, max(rim, bright));
 if (lightCoC < 0.0 && CoC > 0.0)
 {
 weight = floor(weight + 0.5);
