@@ -108,7 +108,7 @@ def _beside_lights(color: np.ndarray, coc: np.ndarray) -> np.ndarray:
     darkest = np.maximum(neighbours.min(axis=0), 1e-7)
     rim = np.clip(5.0 * brightness_here / darkest - 6.5, 0.0, 1.0) * np.clip(10.0 * ratio - 10.0, 0.0, 1.0)
     rim *= 1.0 + np.clip(ratio * brightness_here / darkest / 64.0 - 1.0, 0.0, 1.0)
-    bright = np.clip(rim - 1.0, 0.0, 1.0) * np.clip(-light_coc * len(coc) - 1.0, 0.0, 1.0)
+    bright = (rim - 1.0) * np.clip(-light_coc * len(coc) - 1.0, 0.0, 1.0)
     rim = np.minimum(rim, 1.0) * np.clip(np.abs(coc) * len(coc) - 1.0, 0.0, 1.0)
     weight = np.maximum(dark, np.maximum(rim, bright))
     weight = np.where((light_coc < 0.0) & (coc > 0.0), np.round(weight), weight)

@@ -74,6 +74,8 @@ def in_part(frame: Frame) -> Frame:
 DEPTHS = (0.0625, 0.5, 2.0, 3.0, 4.0, 5.0, 8.0, 1024.0, np.inf, 1e30, 1e9, 1e-30, 0.0, -1.0, -np.inf, np.nan)
 COLORS = (np.nan, np.inf, -np.inf, -1.0, -65504.0, -0.0, 6e-8, 65504.0, 0.5, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0)
 LENS = Camera(0.0625, 0.0625, 4.0, sensor_height=0.03125, max_coc=0.25)
+# How many times as bright as the plane lights are, around the limit from which the rim of one is blurred
+RIM_LIGHTS = (60.0, 72.0, 96.0, 120.0, 300.0)
 CAMERAS = {
     "lens": LENS,
     "pinhole": replace(LENS, max_coc=0.0),
@@ -94,6 +96,13 @@ def _inputs() -> Iterator[tuple[str, Frame]]:
     for label, camera in CAMERAS.items():
         maps = [Pass(entry, read, entry, camera.parameters()) for entry in ("BokehCoCMap", "BokehSignedCoCMap")]
         yield f"map, {label}", Frame(tuple(maps), textures, size)
+    # near lights of different brightness over a dark plane in focus, each with a rim that has the plane's depth
+    lights = np.array([[1.0, 4.0, times] for times in RIM_LIGHTS]).ravel()
+    near = np.array([[4.0, 4.0, 0.5] for _ in RIM_LIGHTS]).ravel()
+    lit = {"color": flat((len(lights), 16), 1.0), "depth": np.tile(near.astype(np.float32), (16, 1))}
+    lit["color"][..., :3] = lights[:, None] / 16.0
+    parameters = {**LENS.parameters(), "BokehImageWidth": float(len(lights)), "BokehImageHeight": 16.0}
+    yield "map, near lights", Frame((replace(maps[1], parameters=parameters),), lit, (len(lights), 16))
     # a debug view with a CoC above its BokehMaxCoC, and one at half of the value that replaces a BokehMaxCoC of 0
     for label, largest, max_coc in (("lens", 0.25, 0.125), ("pinhole", 2.0**-21, 0.0)):
         camera = replace(LENS, max_coc=largest).parameters()
