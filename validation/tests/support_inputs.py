@@ -35,6 +35,17 @@ COMPILED = (
     *(f"validation/{name}" for name in compile_matrix.CODE),
     "validation/tests/harness/test_compile.py",
 )
+# Inputs of every test of the shaders: they draw on drivers, and compare with the reference and with ray-traced images
+DRAWN = (
+    *paths.LANGUAGES,
+    "validation/bokeh_validation",
+    "validation/tests/shaders",
+    *(str(path.relative_to(paths.ROOT)) for path in sorted(paths.VALIDATION.glob("tests/*.py"))),
+    "validation/scenes",
+    "docs/data",
+)
+# and of every test of the lab, which also draws the documents' images and other effects
+OF_LAB = (*DRAWN, "validation/lab", "validation/requirements.txt", "integration", "docs", "README.md")
 
 
 def inputs(*names: str, of_code: bool = False) -> pytest.MarkDecorator:

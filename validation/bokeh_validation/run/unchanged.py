@@ -1,4 +1,5 @@
-"""Skip a test whose inputs have not changed since it last passed here (pytest); --all runs it.
+"""Skip a test whose inputs have not changed since it last passed here (pytest). It runs with --all, and if its file
+is named on the command line.
 
 `@pytest.mark.inputs(path, ...)` names everything that the test's outcome depends on: files and folders, relative to
 the repository's root. Several marks add up. `@pytest.mark.inputs(path, ..., leave_out=(pattern, ...))` leaves out some
@@ -62,11 +63,12 @@ def pytest_configure(config):
 
 
 def pytest_collection_modifyitems(config, items):
-    """Skip unchanged tests, unless everything is asked for."""
-    for item in [] if config.getoption("--all") or _of_report(config) else items:
+    """Skip unchanged tests, unless everything or a certain file is asked for."""
+    asked = config.getoption("--all") or _of_report(config) or any(".py" in argument for argument in config.args)
+    for item in [] if asked else items:
         state = _state(item)
         if state is not None and config.cache.get(_key(item), "") == state:
-            item.add_marker(pytest.mark.skip("nothing has changed since it passed; --all runs it"))
+            item.add_marker(pytest.mark.skip("nothing has changed since it passed; --all runs it, or its file's name"))
 
 
 @pytest.hookimpl(wrapper=True)
