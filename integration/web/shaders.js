@@ -204,7 +204,7 @@ float BokehLightCoC(float CoC,float lightCoC,vec2 weights,float imageHeight){
 float sharper=min(abs(CoC),abs(lightCoC));
 float dark=weights.x*clamp(sharper*imageHeight-1.,0.,1.);
 float rim=min(weights.y,1.)*clamp(abs(CoC)*imageHeight-1.,0.,1.);
-float bright=(weights.y-1.)*clamp(-lightCoC*imageHeight-1.,0.,1.);
+float bright=(weights.y-1.)*clamp(max(-lightCoC,0.)*imageHeight-1.,0.,1.);
 float weight=max(dark,max(rim,bright));
 if(lightCoC<0.&&CoC>0.){
 weight=floor(weight+.5);}
@@ -1532,7 +1532,7 @@ fn BokehLightCoC(CoC:f32,lightCoC:f32,weights:vec2f,imageHeight:f32)->f32{
 let sharper=min(abs(CoC),abs(lightCoC));
 let dark=weights.x*clamp(sharper*imageHeight-1.,0.,1.);
 let rim=min(weights.y,1.)*clamp(abs(CoC)*imageHeight-1.,0.,1.);
-let bright=(weights.y-1.)*clamp(-lightCoC*imageHeight-1.,0.,1.);
+let bright=(weights.y-1.)*clamp(max(-lightCoC,0.)*imageHeight-1.,0.,1.);
 var weight=max(dark,max(rim,bright));
 if(lightCoC<0.&&CoC>0.){
 weight=floor(weight+.5);}

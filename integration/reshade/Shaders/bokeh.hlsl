@@ -557,7 +557,8 @@ float BokehLightCoC(float CoC, float lightCoC, float2 weights, float imageHeight
     float sharper = min(abs(CoC), abs(lightCoC));
     float dark = weights.x * clamp(sharper * imageHeight - 1.0, 0.0, 1.0);
     float rim = min(weights.y, 1.0) * clamp(abs(CoC) * imageHeight - 1.0, 0.0, 1.0);
-    float bright = (weights.y - 1.0) * clamp(-lightCoC * imageHeight - 1.0, 0.0, 1.0);
+    float bright = (weights.y - 1.0) * clamp(max(-lightCoC, 0.0) * imageHeight - 1.0,
+        0.0, 1.0);
     float weight = max(dark, max(rim, bright));
     if (lightCoC < 0.0 && CoC > 0.0)
     {

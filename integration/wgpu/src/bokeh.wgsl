@@ -208,7 +208,8 @@ fn BokehLightCoC(CoC: f32, lightCoC: f32, weights: vec2f, imageHeight: f32) -> f
 let sharper: f32 = min(abs(CoC), abs(lightCoC));
 let dark: f32 = weights.x * clamp(sharper * imageHeight - 1.0, 0.0, 1.0);
 let rim: f32 = min(weights.y, 1.0) * clamp(abs(CoC) * imageHeight - 1.0, 0.0, 1.0);
-let bright: f32 = (weights.y - 1.0) * clamp(-lightCoC * imageHeight - 1.0, 0.0, 1.0);
+let bright: f32 = (weights.y - 1.0) * clamp(max(-lightCoC, 0.0) * imageHeight - 1.0,
+0.0, 1.0);
 var weight: f32 = max(dark, max(rim, bright));
 if (lightCoC < 0.0 && CoC > 0.0)
 {
