@@ -4,7 +4,6 @@ import assert from 'node:assert/strict';
 import { cpSync, readFileSync, readdirSync, writeFileSync } from 'node:fs';
 import { join } from 'node:path';
 import { after, before, test } from 'node:test';
-import * as languages from '../shaders.js';
 import { WEB, bundled, copyTo, folder, madeIn, npm, run } from './project.js';
 
 let root;
@@ -68,8 +67,4 @@ test('tsc --strict has nothing against the types and their user; what no option 
   const lines = said.trim().split('\n');
   assert.deepEqual(lines.filter((line) => /polygonal-bokeh|^types\.ts/.test(line)), []);
   assert.equal(lines.at(-1), 'right');
-});
-
-test('the shaders of one language have at most 60 kB', () => {
-  for (const files of Object.values(languages)) assert.ok(Object.values(files).join('').length <= 60_000);
 });

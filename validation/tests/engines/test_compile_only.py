@@ -11,7 +11,7 @@ from functools import cache
 from pathlib import Path
 
 import pytest
-from support import needed
+from support import needed, nightly
 from support_inputs import inputs
 
 from bokeh_validation import needs, paths
@@ -35,9 +35,9 @@ SHADERS = {
     "unity": UNITY / "Shaders/BokehDepthOfField.shader",
     "unreal": PLUGIN / "Shaders/BokehDepthOfField.usf",
 }
-# Targets of fxc and DXC for the shaders; and the presets, with the quicker compiler
+# Targets of fxc and DXC for the shaders; and the presets, with the quicker compiler and with --all
 BUILDS = [(target, "") for target in ("ps_4_0", "ps_5_0", "SPIR-V", "DXIL")]
-BUILDS += [("SPIR-V", preset) for preset in ("MOBILE", "LOW", "HIGH", "ULTRA")]
+BUILDS += [pytest.param("SPIR-V", preset, marks=nightly) for preset in ("MOBILE", "LOW", "HIGH", "ULTRA")]
 INCLUDE = re.compile(r'^[ \t]*#[ \t]*(?:include[ \t]+"([^"]+)"|pragma[ \t]+once)[^\n]*$', re.MULTILINE)
 
 

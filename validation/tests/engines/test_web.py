@@ -38,7 +38,7 @@ def project(tmp_path_factory):
 SIZES = pytest.mark.inputs("integration/web/shaders.js")
 
 
-@pytest.mark.parametrize("file", [pytest.param(name, marks=SIZES if "install" in name else ()) for name in files(WEB)])
+@pytest.mark.parametrize("file", [pytest.param(name, marks=SIZES if "size" in name else ()) for name in files(WEB)])
 def test_by_node(project, file):
     """Check that every test in a file of integration/web/test passes."""
     assert_passes(project, file)
