@@ -27,7 +27,7 @@ end
 local function addBokeh(scene, options)
   local library = read("bokeh.glsl") .. read("bokeh_layers.glsl")
   local made = PolygonBokeh.new(library, scene.color:getWidth(), scene.color:getHeight(), options)
-  made:setLens(scene.fieldOfView, 1, 5) -- f/1, its blur 5 times as wide
+  made:setLens(scene.fieldOfView, 1, 5) -- f/1, with a blur 5 times as wide as a real lens's
   made.uniforms.zNear, made.uniforms.zFar = scene.near, scene.far
   made.uniforms.focusDistance = scene:depthOf(scene.subject)
   return made

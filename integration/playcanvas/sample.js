@@ -18,7 +18,7 @@ app.start();
 export function addBokeh(app, camera, options) {
   const frame = new PolygonBokehFrame(app, camera, options);
   frame.setLens(1.4, 20); // f/1.4, with a blur 20 times as wide as a real lens's
-  frame.rendering.toneMapping = TONEMAP_ACES; // which is done after the bokeh, with sRGB
+  frame.rendering.toneMapping = TONEMAP_ACES; // tone mapping and sRGB encoding come after the bokeh
   frame.update();
   return frame;
 }
