@@ -7,6 +7,7 @@ import moderngl
 import numpy as np
 import pytest
 from support import called, compiled, load
+from support_inputs import inputs
 
 from bokeh_validation import generate, options, paths, shaders
 from bokeh_validation import plan as frame
@@ -80,6 +81,7 @@ def given(context: moderngl.Context, pixels: np.ndarray) -> moderngl.Texture:
     return context.texture(size, channels, pixels.tobytes(), alignment=1, dtype={2: "f2", 4: "f4"}[pixels.itemsize])
 
 
+@inputs("validation/tests/harness/test_frame.py", "integration/frames", of_code=True)
 @pytest.mark.parametrize("name", SETTINGS)
 def test_an_engine_runs_from_the_json(name):
     """Check that an engine which uses only the JSON draws bit-identical images to the harness, for every method and

@@ -13,6 +13,7 @@ import OpenEXR
 import pytest
 from support import called, load, refused
 from support_cases import noise_case, result
+from support_inputs import inputs
 
 from bokeh_validation import exr, options, paths, plan
 from bokeh_validation.drivers.computed import Reference
@@ -113,6 +114,7 @@ BASES = [
 ]
 
 
+@inputs("validation/tests/harness/test_render.py", of_code=True)
 @pytest.mark.parametrize("base", BASES, ids=lambda base: f"{base.method} {base.aperture} {base.jitter:g}")
 def test_an_option_has_an_effect_or_is_refused(base):
     """Check that each option changes the image or the list of passes, or is refused."""

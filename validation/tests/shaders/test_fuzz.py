@@ -101,5 +101,8 @@ def test_random_cases(method, name, request):
         result, coc = found.expected["result"], found.expected["coc"].value[..., 3]
         blurred.append((np.abs(coc) * case.size[1] > 2.0).any())
         narrow.append((result.error[..., :3] <= result.value[..., :3].max() / 16).mean())
-    # otherwise all cases might be in focus, or their intervals might allow anything
-    assert np.mean(blurred) > 0.5 and np.mean(narrow) > 0.8
+    # otherwise all cases might be in focus, or their intervals might allow anything; for the fractions, a third of
+    # the cases is too few
+    if step == 1:
+        assert np.mean(blurred) > 0.5 and np.mean(narrow) > 0.8
+    assert any(blurred) and max(narrow) > 0.8
