@@ -27,7 +27,7 @@ export function start(engine) {
   const { scene, camera, subject } = makeScene(engine);
   const sample = { engine, scene, camera, subject, bokeh: addBokeh(camera), tone: addTone(camera) };
   sample.bokeh.focusOn(subject.position);
-  sample.aims = [sample.bokeh.uniforms.focusDistance]; // metres; the nearest wins
+  sample.aims = [sample.bokeh.uniforms.focusDistance]; // metres; autofocus takes the nearest
   engine.runRenderLoop(() => {
     sample.bokeh.pullFocus(engine.getDeltaTime() / 1000, sample.aims);
     scene.render();

@@ -125,7 +125,7 @@ public class BokehFilter extends Filter {
         return hit.subtract(camera.getLocation()).dot(camera.getDirection());
     }
 
-    /** 1 / distance goes the way: by it all things sharpen and blur evenly. 1 / infinity is 0. */
+    /** Changes 1 / distance evenly, so that everything sharpens and blurs evenly. 1 / infinity is 0. */
     private void pullFocus(float seconds) {
         float nearest = 0f;
         for (Vector2f point : focusPoints) {

@@ -106,7 +106,7 @@ static void writePicture(const Scene& scene, const std::string& path)
     auto bokeh = addBokeh(viewport, scene.subject);
     const float focus = bokeh->uniforms["BokehFocusDistance"];
     pictures.push_back(drawn(viewport));
-    // three points on the crate behind: the nearest wins
+    // three points on the crate behind: autofocus takes the nearest
     const std::vector<float> picked = {bokeh->depthAt(258, 165), bokeh->depthAt(264, 165), bokeh->depthAt(270, 165)};
     bokeh = addBokeh(viewport, scene.subject, PolygonBokeh::debug());
     bokeh->uniforms["BokehDebugMode"] = 3.0f;

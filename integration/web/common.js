@@ -59,8 +59,8 @@ export function diameter(focalLength, fStop = 2.8, bokehScale = 10) {
   return (focalLength / fStop) * bokehScale;
 }
 
-// The focus distance dt seconds later, on its way to the nearest of these depths: 1 / distance goes the way, and tau is
-// its time constant in seconds (docs/lens.md). A distance that is none, 0 or NaN, is left at once.
+// Returns the focus distance dt seconds later, on its way to the nearest of these depths. 1 / distance changes evenly,
+// not the distance; tau is the time constant in seconds (docs/lens.md). An invalid distance, 0 or NaN, is left at once.
 export function pulled(distance, dt, depths, tau) {
   const aim = Math.min(...depths.filter((depth) => depth > 0));
   if (!depths.some((depth) => depth > 0)) return distance;

@@ -147,8 +147,8 @@ impl Bokeh {
         Self { focal_length, aperture_diameter: focal_length / f_stop * bokeh_scale, ..lens }
     }
 
-    /// Autofocus, once a frame of `dt` seconds: towards the nearest of these depths. 1 / distance goes the way, and `tau`
-    /// is its time constant (docs/lens.md). An infinite `dt` is there at once.
+    /// Moves the focus towards the nearest of these depths; call it once a frame of `dt` seconds. 1 / distance changes
+    /// evenly, not the distance; `tau` is the time constant (docs/lens.md). With an infinite `dt`, it arrives at once.
     pub fn pull_focus(&mut self, dt: f32, depths: impl IntoIterator<Item = f32>, tau: f32) {
         let nearest = depths.into_iter().fold(f32::INFINITY, f32::min);
         let k = 1.0 - (-dt / tau).exp();
