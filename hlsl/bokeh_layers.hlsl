@@ -57,6 +57,9 @@
 //                                              say half size mean the layers' size
 //   BOKEH_MIN_BRIGHTNESS    0.00001    > 0     darker pixels count as this bright in the mean of
 //                                              their tile
+//   BOKEH_LAYER_OUTLINES    1          0, 1    1: outlines of what is in focus are blended with the
+//                                              blurred background behind them. HLSL's shader
+//                                              model 3 has no room for it: always 0
 //
 //   Presets: define one before bokeh.hlsl, or set the constants instead. In WGSL set
 //   all four constants of this table.
@@ -119,6 +122,9 @@
 #endif
 #ifndef BOKEH_LAYER_SCALE
 #define BOKEH_LAYER_SCALE BOKEH_PRESET_SCALE
+#endif
+#ifndef BOKEH_LAYER_OUTLINES
+#define BOKEH_LAYER_OUTLINES 1
 #endif
 #ifndef BOKEH_MIN_BRIGHTNESS
 #define BOKEH_MIN_BRIGHTNESS 0.00001
@@ -1345,6 +1351,57 @@ BokehGather BokehGatherTo(BokehGather before, BOKEH_TEXTURE MapSamp, int ring, i
     return gather;
 }
 
+// Layers: finds what the blurred background changes in a pixel of an outline in focus
+//   The input has mixed this pixel from an object and the sharp background behind it. Through a
+//   lens, the blurred background is there. Without the change, the outline of an object in front of
+//   a blurred light is a dark line.
+//
+//      pixel = object * covered + background * (1 - covered)
+//      shown = object * covered + farColor   * (1 - covered)
+//
+//   center        middle of this pixel, texels
+//   pixel         its colour and signed CoC
+//   farColor      colour of the blurred far layer
+//   farSlope      from BokehFarSlope
+//   returns       the difference between the two; 0 if this is no outline
+float3 BokehOutline(BOKEH_TEXTURE MapSamp, float2 center, float4 pixel, float3 farColor,
+    float farSlope, BokehLayerContext layers BOKEH_SAMPLER)
+{
+    BokehGrid full = BokehFullGrid(layers);
+    float4 object = float4(0.0, 0.0, 0.0, 0.0);
+    float4 background = float4(0.0, 0.0, 0.0, 0.0);
+    float2 side = float2(1.0, 0.0);
+    for (int i = 0; i < 2; i++)
+    {
+        // the object is opposite to the background: pixels along the outline are mixed too
+        float4 first = BokehFetchAround(MapSamp, center, side, full BOKEH_LINEAR);
+        float4 opposite = BokehFetchAround(MapSamp, center, -side, full BOKEH_LINEAR);
+        float2 CoC = float2(first.a, opposite.a) * full.size.y;
+        float2 change = abs(CoC - pixel.a * full.size.y);
+        float2 isFar = float2(BokehLayerWeight(CoC.x, farSlope), BokehLayerWeight(CoC.y, farSlope));
+        float2 isObject = clamp(2.0 - change, float2(0.0, 0.0), float2(1.0, 1.0)) * isFar.yx;
+        background += float4(first.rgb, 1.0) * isFar.x;
+        background += float4(opposite.rgb, 1.0) * isFar.y;
+        object += float4(first.rgb, 1.0) * isObject.x;
+        object += float4(opposite.rgb, 1.0) * isObject.y;
+        side = float2(0.0, 1.0);
+    }
+    float3 behind = background.rgb / max(background.a, 0.000001);
+    float3 contrast = object.rgb / max(object.a, 0.000001) - behind;
+    float3 ownContrast = pixel.rgb - behind;
+    // too little contrast says nothing of a mixture
+    float square = max(dot(contrast, contrast), 0.001 * dot(pixel.rgb, pixel.rgb) +
+        0.000000000001);
+    float covered = clamp(dot(ownContrast, contrast) / square, 0.0, 1.0);
+    // A pixel of another colour is no mixture of the two, and one that looks like the background
+    // alone is a part of the object.
+    float3 other = ownContrast - contrast * covered;
+    float isMixed = clamp(2.0 - 8.0 * dot(other, other) / square, 0.0, 1.0) * min(4.0 * covered,
+        1.0);
+    isMixed *= min(background.a, 1.0) * min(object.a, 1.0);
+    return (farColor - behind) * (isMixed * (1.0 - covered));
+}
+
 // Layers: gathers the pixels in neither layer, and composites everything; the last pass
 //   Reads the CoC map, gatherTiles, both blurred layers and both fills. A gathered sample spreads
 //   over its own disc, or over this pixel's disc if it lies behind this pixel's surface. Pixels of
@@ -1408,6 +1465,11 @@ float4 BokehComposite(BOKEH_TEXTURE MapSamp, BOKEH_TEXTURE GatherTilesSamp, BOKE
         {
             denseRings += 1.0;
         }
+        // Outlines of what is in focus are changed where the far layer is, and where the gather has
+        // no additional ring, so that the two together take no more fetches than that ring.
+        float outline = clamp(2.0 - abs(s), 0.0, 1.0) * clamp(layerReach - 14.0 + 4.0 *
+            float(BOKEH_LAYER_CUBIC), 0.0, 1.0) * clamp(max(2.0 * BOKEH_TUNED_RING_WIDTH *
+            denseRings, 1.0) - 2.0 * radius, 0.0, 1.0);
         float rings = denseRings;
         if (max(nearWeight, farWeight * tile.r * float(BOKEH_LAYER_RINGS - 1)) <= 0.0)
         {
@@ -1521,6 +1583,13 @@ float4 BokehComposite(BOKEH_TEXTURE MapSamp, BOKEH_TEXTURE GatherTilesSamp, BOKE
             float open = clamp(1.0 - gather.front.a, 0.0, 1.0) / max(rest, 0.1);
             result = (gather.front.rgb + (plain.rgb - gather.front.rgb) * open) / (gather.front.a +
                 rest * open);
+        }
+        outline *= clamp(4.0 * farLayer.a, 0.0, 1.0);
+        if (BOKEH_LAYER_OUTLINES > 0 && outline > 0.0)
+        {
+            float3 change = BokehOutline(MapSamp, center, centerPixel, farColor,
+                gather.slopes.y, layers BOKEH_LINEAR);
+            result = max(result + change * outline, float3(0.0, 0.0, 0.0));
         }
         if (nearWeight > 0.0)
         {

@@ -57,6 +57,9 @@
 //                                              say half size mean the layers' size
 //   BOKEH_MIN_BRIGHTNESS    0.00001    > 0     darker pixels count as this bright in the mean of
 //                                              their tile
+//   BOKEH_LAYER_OUTLINES    1          0, 1    1: outlines of what is in focus are blended with the
+//                                              blurred background behind them. HLSL's shader
+//                                              model 3 has no room for it: always 0
 //
 //   Presets: define one before bokeh.wgsl, or set the constants instead. In WGSL set
 //   all four constants of this table.
@@ -72,6 +75,7 @@ override BOKEH_LAYER_RINGS: i32 = 2;
 override BOKEH_LAYER_SAMPLES: i32 = 11;
 override BOKEH_LAYER_CUBIC: i32 = 1;
 override BOKEH_LAYER_SCALE: i32 = 2;
+override BOKEH_LAYER_OUTLINES: i32 = 1;
 const BOKEH_MIN_BRIGHTNESS: f32 = 0.00001;
 
 // Tuned constants: each comment says what goes wrong with another value.
@@ -1321,6 +1325,58 @@ fn BokehGatherTo(before: BokehGather, MapSamp: texture_2d<f32>, ring: i32, densi
     return gather;
 }
 
+// Layers: finds what the blurred background changes in a pixel of an outline in focus
+//   The input has mixed this pixel from an object and the sharp background behind it. Through a
+//   lens, the blurred background is there. Without the change, the outline of an object in front of
+//   a blurred light is a dark line.
+//
+//      pixel = object * covered + background * (1 - covered)
+//      shown = object * covered + farColor   * (1 - covered)
+//
+//   center        middle of this pixel, texels
+//   pixel         its colour and signed CoC
+//   farColor      colour of the blurred far layer
+//   farSlope      from BokehFarSlope
+//   returns       the difference between the two; 0 if this is no outline
+fn BokehOutline(MapSamp: texture_2d<f32>, center: vec2f, pixel: vec4f, farColor: vec3f,
+    farSlope: f32, layers: BokehLayerContext, BokehLinearClamp: sampler) -> vec3f
+{
+    let full: BokehGrid = BokehFullGrid(layers);
+    var object: vec4f = vec4f(0.0, 0.0, 0.0, 0.0);
+    var background: vec4f = vec4f(0.0, 0.0, 0.0, 0.0);
+    var side: vec2f = vec2f(1.0, 0.0);
+    for (var i: i32 = 0; i < 2; i++)
+    {
+        // the object is opposite to the background: pixels along the outline are mixed too
+        let first: vec4f = BokehFetchAround(MapSamp, center, side, full, BokehLinearClamp);
+        let opposite: vec4f = BokehFetchAround(MapSamp, center, -side, full, BokehLinearClamp);
+        let CoC: vec2f = vec2f(first.a, opposite.a) * full.size.y;
+        let change: vec2f = abs(CoC - pixel.a * full.size.y);
+        let isFar: vec2f = vec2f(BokehLayerWeight(CoC.x, farSlope),
+            BokehLayerWeight(CoC.y, farSlope));
+        let isObject: vec2f = clamp(2.0 - change, vec2f(0.0, 0.0), vec2f(1.0, 1.0)) * isFar.yx;
+        background += vec4f(first.rgb, 1.0) * isFar.x;
+        background += vec4f(opposite.rgb, 1.0) * isFar.y;
+        object += vec4f(first.rgb, 1.0) * isObject.x;
+        object += vec4f(opposite.rgb, 1.0) * isObject.y;
+        side = vec2f(0.0, 1.0);
+    }
+    let behind: vec3f = background.rgb / max(background.a, 0.000001);
+    let contrast: vec3f = object.rgb / max(object.a, 0.000001) - behind;
+    let ownContrast: vec3f = pixel.rgb - behind;
+    // too little contrast says nothing of a mixture
+    let square: f32 = max(dot(contrast, contrast), 0.001 * dot(pixel.rgb, pixel.rgb) +
+        0.000000000001);
+    let covered: f32 = clamp(dot(ownContrast, contrast) / square, 0.0, 1.0);
+    // A pixel of another colour is no mixture of the two, and one that looks like the background
+    // alone is a part of the object.
+    let other: vec3f = ownContrast - contrast * covered;
+    var isMixed: f32 = clamp(2.0 - 8.0 * dot(other, other) / square, 0.0, 1.0) * min(4.0 * covered,
+        1.0);
+    isMixed *= min(background.a, 1.0) * min(object.a, 1.0);
+    return (farColor - behind) * (isMixed * (1.0 - covered));
+}
+
 // Layers: gathers the pixels in neither layer, and composites everything; the last pass
 //   Reads the CoC map, gatherTiles, both blurred layers and both fills. A gathered sample spreads
 //   over its own disc, or over this pixel's disc if it lies behind this pixel's surface. Pixels of
@@ -1386,6 +1442,11 @@ fn BokehComposite(MapSamp: texture_2d<f32>, GatherTilesSamp: texture_2d<f32>,
         {
             denseRings += 1.0;
         }
+        // Outlines of what is in focus are changed where the far layer is, and where the gather has
+        // no additional ring, so that the two together take no more fetches than that ring.
+        var outline: f32 = clamp(2.0 - abs(s), 0.0, 1.0) * clamp(layerReach - 14.0 + 4.0 *
+            f32(BOKEH_LAYER_CUBIC), 0.0, 1.0) * clamp(max(2.0 * BOKEH_TUNED_RING_WIDTH *
+            denseRings, 1.0) - 2.0 * radius, 0.0, 1.0);
         var rings: f32 = denseRings;
         if (max(nearWeight, farWeight * tile.r * f32(BOKEH_LAYER_RINGS - 1)) <= 0.0)
         {
@@ -1500,6 +1561,13 @@ fn BokehComposite(MapSamp: texture_2d<f32>, GatherTilesSamp: texture_2d<f32>,
             let open: f32 = clamp(1.0 - gather.front.a, 0.0, 1.0) / max(rest, 0.1);
             result = (gather.front.rgb + (plain.rgb - gather.front.rgb) * open) / (gather.front.a +
                 rest * open);
+        }
+        outline *= clamp(4.0 * farLayer.a, 0.0, 1.0);
+        if (BOKEH_LAYER_OUTLINES > 0 && outline > 0.0)
+        {
+            let change: vec3f = BokehOutline(MapSamp, center, centerPixel, farColor,
+                gather.slopes.y, layers, BokehLinearClamp);
+            result = max(result + change * outline, vec3f(0.0, 0.0, 0.0));
         }
         if (nearWeight > 0.0)
         {

@@ -616,6 +616,9 @@ return BokehResolve(color,totalWeight,centerPixel,blurCoC);}
 #ifndef BOKEH_LAYER_SCALE
 #define BOKEH_LAYER_SCALE BOKEH_PRESET_SCALE
 #endif
+#ifndef BOKEH_LAYER_OUTLINES
+#define BOKEH_LAYER_OUTLINES 1
+#endif
 #ifndef BOKEH_MIN_BRIGHTNESS
 #define BOKEH_MIN_BRIGHTNESS 0.00001
 #endif
@@ -1210,6 +1213,32 @@ float outer=min(BokehRingBorder(ring,rings),end);
 if(ring<=BOKEH_LAYER_RINGS+1&&gather.inner<outer){
 gather=BokehGatherRing(gather,MapSamp,ring,BokehSamplesPerEdge(max(min(density,BOKEH_LAYER_RINGS),1),polygon),outer,polygon,layers);}
 return gather;}
+vec3 BokehOutline(BOKEH_TEXTURE MapSamp,vec2 center,vec4 pixel,vec3 farColor,float farSlope,BokehLayerContext layers){
+BokehGrid full=BokehFullGrid(layers);
+vec4 object=vec4(0.,0.,0.,0.);
+vec4 background=vec4(0.,0.,0.,0.);
+vec2 side=vec2(1.,0.);
+for(int i=0;i<2;i++){
+vec4 first=BokehFetchAround(MapSamp,center,side,full);
+vec4 opposite=BokehFetchAround(MapSamp,center,-side,full);
+vec2 CoC=vec2(first.a,opposite.a)*full.size.y;
+vec2 change=abs(CoC-pixel.a*full.size.y);
+vec2 isFar=vec2(BokehLayerWeight(CoC.x,farSlope),BokehLayerWeight(CoC.y,farSlope));
+vec2 isObject=clamp(2.-change,vec2(0.,0.),vec2(1.,1.))*isFar.yx;
+background+=vec4(first.rgb,1.)*isFar.x;
+background+=vec4(opposite.rgb,1.)*isFar.y;
+object+=vec4(first.rgb,1.)*isObject.x;
+object+=vec4(opposite.rgb,1.)*isObject.y;
+side=vec2(0.,1.);}
+vec3 behind=background.rgb/max(background.a,.000001);
+vec3 contrast=object.rgb/max(object.a,.000001)-behind;
+vec3 ownContrast=pixel.rgb-behind;
+float square=max(dot(contrast,contrast),.001*dot(pixel.rgb,pixel.rgb) +.000000000001);
+float covered=clamp(dot(ownContrast,contrast)/square,0.,1.);
+vec3 other=ownContrast-contrast*covered;
+float isMixed=clamp(2.-8.*dot(other,other)/square,0.,1.)*min(4.*covered,1.);
+isMixed*=min(background.a,1.)*min(object.a,1.);
+return (farColor-behind)*(isMixed*(1.-covered));}
 vec4 BokehComposite(BOKEH_TEXTURE MapSamp,BOKEH_TEXTURE GatherTilesSamp,BOKEH_TEXTURE NearSamp,BOKEH_TEXTURE FarSamp,BOKEH_TEXTURE MidFillSamp,BOKEH_TEXTURE FarFillSamp,BokehPolygon polygon,BokehLayerContext layers){
 BokehGrid full=BokehFullGrid(layers);
 vec2 center=floor(layers.uv*full.size)+.5;
@@ -1242,6 +1271,7 @@ float layerReach=max(tile.g,tile.r+(BOKEH_TUNED_FAR_START -BOKEH_TUNED_NEAR_STAR
 float denseRings=float(BOKEH_LAYER_RINGS);
 if(layerReach<=14.-4.*float(BOKEH_LAYER_CUBIC)){
 denseRings+=1.;}
+float outline=clamp(2.-abs(s),0.,1.)*clamp(layerReach-14.+4. *float(BOKEH_LAYER_CUBIC),0.,1.)*clamp(max(2.*BOKEH_TUNED_RING_WIDTH *denseRings,1.)-2.*radius,0.,1.);
 float rings=denseRings;
 if(max(nearWeight,farWeight*tile.r*float(BOKEH_LAYER_RINGS-1))<=0.){
 rings=max(rings,min(radius/BOKEH_TUNED_RING_WIDTH,float(BOKEH_LAYER_RINGS)+1.));}
@@ -1296,6 +1326,10 @@ if(plain.a>=.001){
 float rest=plain.a-gather.front.a;
 float open=clamp(1.-gather.front.a,0.,1.)/max(rest,.1);
 result=(gather.front.rgb+(plain.rgb-gather.front.rgb)*open)/(gather.front.a +rest*open);}
+outline*=clamp(4.*farLayer.a,0.,1.);
+if(BOKEH_LAYER_OUTLINES>0&&outline>0.){
+vec3 change=BokehOutline(MapSamp,center,centerPixel,farColor,gather.slopes.y,layers);
+result=max(result+change*outline,vec3(0.,0.,0.));}
 if(nearWeight>0.){
 vec4 midFill=BokehFetchGrid(MidFillSamp,.25*center,quarters);
 float inNear=nearLayer.a*min(2.-2.*nearWeight,1.);
@@ -1870,6 +1904,7 @@ override BOKEH_LAYER_RINGS: i32 = 2;
 override BOKEH_LAYER_SAMPLES: i32 = 11;
 override BOKEH_LAYER_CUBIC: i32 = 1;
 override BOKEH_LAYER_SCALE: i32 = 2;
+override BOKEH_LAYER_OUTLINES: i32 = 1;
 const BOKEH_MIN_BRIGHTNESS:f32=.00001;
 const BOKEH_TUNED_NEAR_START:f32=6.;
 const BOKEH_TUNED_NEAR_FULL:f32=12.;
@@ -2415,6 +2450,32 @@ let outer=min(BokehRingBorder(ring,rings),end);
 if(ring<=BOKEH_LAYER_RINGS+1&&gather.inner<outer){
 gather=BokehGatherRing(gather,MapSamp,ring,BokehSamplesPerEdge(max(min(density,BOKEH_LAYER_RINGS),1),polygon),outer,polygon,layers,BokehLinearClamp);}
 return gather;}
+fn BokehOutline(MapSamp:texture_2d<f32>,center:vec2f,pixel:vec4f,farColor:vec3f,farSlope:f32,layers:BokehLayerContext,BokehLinearClamp:sampler)->vec3f{
+let full=BokehFullGrid(layers);
+var object=vec4f(0.,0.,0.,0.);
+var background=vec4f(0.,0.,0.,0.);
+var side=vec2f(1.,0.);
+for(var i=0;i<2;i++){
+let first=BokehFetchAround(MapSamp,center,side,full,BokehLinearClamp);
+let opposite=BokehFetchAround(MapSamp,center,-side,full,BokehLinearClamp);
+let CoC=vec2f(first.a,opposite.a)*full.size.y;
+let change=abs(CoC-pixel.a*full.size.y);
+let isFar=vec2f(BokehLayerWeight(CoC.x,farSlope),BokehLayerWeight(CoC.y,farSlope));
+let isObject=clamp(2.-change,vec2f(0.,0.),vec2f(1.,1.))*isFar.yx;
+background+=vec4f(first.rgb,1.)*isFar.x;
+background+=vec4f(opposite.rgb,1.)*isFar.y;
+object+=vec4f(first.rgb,1.)*isObject.x;
+object+=vec4f(opposite.rgb,1.)*isObject.y;
+side=vec2f(0.,1.);}
+let behind=background.rgb/max(background.a,.000001);
+let contrast=object.rgb/max(object.a,.000001)-behind;
+let ownContrast=pixel.rgb-behind;
+let square=max(dot(contrast,contrast),.001*dot(pixel.rgb,pixel.rgb) +.000000000001);
+let covered=clamp(dot(ownContrast,contrast)/square,0.,1.);
+let other=ownContrast-contrast*covered;
+var isMixed=clamp(2.-8.*dot(other,other)/square,0.,1.)*min(4.*covered,1.);
+isMixed*=min(background.a,1.)*min(object.a,1.);
+return (farColor-behind)*(isMixed*(1.-covered));}
 fn BokehComposite(MapSamp:texture_2d<f32>,GatherTilesSamp:texture_2d<f32>,NearSamp:texture_2d<f32>,FarSamp:texture_2d<f32>,MidFillSamp:texture_2d<f32>,FarFillSamp:texture_2d<f32>,polygon:BokehPolygon,layers:BokehLayerContext,BokehLinearClamp:sampler)->vec4f{
 let full=BokehFullGrid(layers);
 let center=floor(layers.uv*full.size)+.5;
@@ -2447,6 +2508,7 @@ let layerReach=max(tile.g,tile.r+(BOKEH_TUNED_FAR_START -BOKEH_TUNED_NEAR_START)
 var denseRings=f32(BOKEH_LAYER_RINGS);
 if(layerReach<=14.-4.*f32(BOKEH_LAYER_CUBIC)){
 denseRings+=1.;}
+var outline=clamp(2.-abs(s),0.,1.)*clamp(layerReach-14.+4. *f32(BOKEH_LAYER_CUBIC),0.,1.)*clamp(max(2.*BOKEH_TUNED_RING_WIDTH *denseRings,1.)-2.*radius,0.,1.);
 var rings=denseRings;
 if(max(nearWeight,farWeight*tile.r*f32(BOKEH_LAYER_RINGS-1))<=0.){
 rings=max(rings,min(radius/BOKEH_TUNED_RING_WIDTH,f32(BOKEH_LAYER_RINGS)+1.));}
@@ -2500,6 +2562,10 @@ if(plain.a>=.001){
 let rest=plain.a-gather.front.a;
 let open=clamp(1.-gather.front.a,0.,1.)/max(rest,.1);
 result=(gather.front.rgb+(plain.rgb-gather.front.rgb)*open)/(gather.front.a +rest*open);}
+outline*=clamp(4.*farLayer.a,0.,1.);
+if(BOKEH_LAYER_OUTLINES>0&&outline>0.){
+let change=BokehOutline(MapSamp,center,centerPixel,farColor,gather.slopes.y,layers,BokehLinearClamp);
+result=max(result+change*outline,vec3f(0.,0.,0.));}
 if(nearWeight>0.){
 let midFill=BokehFetchGrid(MidFillSamp,.25*center,quarters,BokehLinearClamp);
 let inNear=nearLayer.a*min(2.-2.*nearWeight,1.);

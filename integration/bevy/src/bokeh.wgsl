@@ -790,6 +790,7 @@ override BOKEH_LAYER_RINGS: i32 = 2;
 override BOKEH_LAYER_SAMPLES: i32 = 11;
 override BOKEH_LAYER_CUBIC: i32 = 1;
 override BOKEH_LAYER_SCALE: i32 = 2;
+override BOKEH_LAYER_OUTLINES: i32 = 1;
 const BOKEH_MIN_BRIGHTNESS: f32 = 0.00001;
 const BOKEH_TUNED_NEAR_START: f32 = 6.0;
 const BOKEH_TUNED_NEAR_FULL: f32 = 12.0;
@@ -1691,6 +1692,40 @@ BOKEH_LAYER_RINGS), 1), polygon), outer, polygon, layers, BokehLinearClamp);
 }
 return gather;
 }
+fn BokehOutline(MapSamp: texture_2d<f32>, center: vec2f, pixel: vec4f, farColor: vec3f,
+farSlope: f32, layers: BokehLayerContext, BokehLinearClamp: sampler) -> vec3f
+{
+let full: BokehGrid = BokehFullGrid(layers);
+var object: vec4f = vec4f(0.0, 0.0, 0.0, 0.0);
+var background: vec4f = vec4f(0.0, 0.0, 0.0, 0.0);
+var side: vec2f = vec2f(1.0, 0.0);
+for (var i: i32 = 0; i < 2; i++)
+{
+let first: vec4f = BokehFetchAround(MapSamp, center, side, full, BokehLinearClamp);
+let opposite: vec4f = BokehFetchAround(MapSamp, center, -side, full, BokehLinearClamp);
+let CoC: vec2f = vec2f(first.a, opposite.a) * full.size.y;
+let change: vec2f = abs(CoC - pixel.a * full.size.y);
+let isFar: vec2f = vec2f(BokehLayerWeight(CoC.x, farSlope),
+BokehLayerWeight(CoC.y, farSlope));
+let isObject: vec2f = clamp(2.0 - change, vec2f(0.0, 0.0), vec2f(1.0, 1.0)) * isFar.yx;
+background += vec4f(first.rgb, 1.0) * isFar.x;
+background += vec4f(opposite.rgb, 1.0) * isFar.y;
+object += vec4f(first.rgb, 1.0) * isObject.x;
+object += vec4f(opposite.rgb, 1.0) * isObject.y;
+side = vec2f(0.0, 1.0);
+}
+let behind: vec3f = background.rgb / max(background.a, 0.000001);
+let contrast: vec3f = object.rgb / max(object.a, 0.000001) - behind;
+let ownContrast: vec3f = pixel.rgb - behind;
+let square: f32 = max(dot(contrast, contrast), 0.001 * dot(pixel.rgb, pixel.rgb) +
+0.000000000001);
+let covered: f32 = clamp(dot(ownContrast, contrast) / square, 0.0, 1.0);
+let other: vec3f = ownContrast - contrast * covered;
+var isMixed: f32 = clamp(2.0 - 8.0 * dot(other, other) / square, 0.0, 1.0) * min(4.0 * covered,
+1.0);
+isMixed *= min(background.a, 1.0) * min(object.a, 1.0);
+return (farColor - behind) * (isMixed * (1.0 - covered));
+}
 fn BokehComposite(MapSamp: texture_2d<f32>, GatherTilesSamp: texture_2d<f32>,
 NearSamp: texture_2d<f32>, FarSamp: texture_2d<f32>, MidFillSamp: texture_2d<f32>,
 FarFillSamp: texture_2d<f32>, polygon: BokehPolygon, layers: BokehLayerContext,
@@ -1737,6 +1772,9 @@ if (layerReach <= 14.0 - 4.0 * f32(BOKEH_LAYER_CUBIC))
 {
 denseRings += 1.0;
 }
+var outline: f32 = clamp(2.0 - abs(s), 0.0, 1.0) * clamp(layerReach - 14.0 + 4.0 *
+f32(BOKEH_LAYER_CUBIC), 0.0, 1.0) * clamp(max(2.0 * BOKEH_TUNED_RING_WIDTH *
+denseRings, 1.0) - 2.0 * radius, 0.0, 1.0);
 var rings: f32 = denseRings;
 if (max(nearWeight, farWeight * tile.r * f32(BOKEH_LAYER_RINGS - 1)) <= 0.0)
 {
@@ -1831,6 +1869,13 @@ let rest: f32 = plain.a - gather.front.a;
 let open: f32 = clamp(1.0 - gather.front.a, 0.0, 1.0) / max(rest, 0.1);
 result = (gather.front.rgb + (plain.rgb - gather.front.rgb) * open) / (gather.front.a +
 rest * open);
+}
+outline *= clamp(4.0 * farLayer.a, 0.0, 1.0);
+if (BOKEH_LAYER_OUTLINES > 0 && outline > 0.0)
+{
+let change: vec3f = BokehOutline(MapSamp, center, centerPixel, farColor,
+gather.slopes.y, layers, BokehLinearClamp);
+result = max(result + change * outline, vec3f(0.0, 0.0, 0.0));
 }
 if (nearWeight > 0.0)
 {

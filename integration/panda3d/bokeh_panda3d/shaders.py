@@ -886,6 +886,9 @@ return BokehResolve(color, totalWeight, centerPixel, blurCoC);
 #ifndef BOKEH_LAYER_SCALE
 #define BOKEH_LAYER_SCALE BOKEH_PRESET_SCALE
 #endif
+#ifndef BOKEH_LAYER_OUTLINES
+#define BOKEH_LAYER_OUTLINES 1
+#endif
 #ifndef BOKEH_MIN_BRIGHTNESS
 #define BOKEH_MIN_BRIGHTNESS 0.00001
 #endif
@@ -1742,6 +1745,39 @@ BOKEH_LAYER_RINGS), 1), polygon), outer, polygon, layers);
 }
 return gather;
 }
+vec3 BokehOutline(BOKEH_TEXTURE MapSamp, vec2 center, vec4 pixel, vec3 farColor,
+float farSlope, BokehLayerContext layers)
+{
+BokehGrid full = BokehFullGrid(layers);
+vec4 object = vec4(0.0, 0.0, 0.0, 0.0);
+vec4 background = vec4(0.0, 0.0, 0.0, 0.0);
+vec2 side = vec2(1.0, 0.0);
+for (int i = 0; i < 2; i++)
+{
+vec4 first = BokehFetchAround(MapSamp, center, side, full);
+vec4 opposite = BokehFetchAround(MapSamp, center, -side, full);
+vec2 CoC = vec2(first.a, opposite.a) * full.size.y;
+vec2 change = abs(CoC - pixel.a * full.size.y);
+vec2 isFar = vec2(BokehLayerWeight(CoC.x, farSlope), BokehLayerWeight(CoC.y, farSlope));
+vec2 isObject = clamp(2.0 - change, vec2(0.0, 0.0), vec2(1.0, 1.0)) * isFar.yx;
+background += vec4(first.rgb, 1.0) * isFar.x;
+background += vec4(opposite.rgb, 1.0) * isFar.y;
+object += vec4(first.rgb, 1.0) * isObject.x;
+object += vec4(opposite.rgb, 1.0) * isObject.y;
+side = vec2(0.0, 1.0);
+}
+vec3 behind = background.rgb / max(background.a, 0.000001);
+vec3 contrast = object.rgb / max(object.a, 0.000001) - behind;
+vec3 ownContrast = pixel.rgb - behind;
+float square = max(dot(contrast, contrast), 0.001 * dot(pixel.rgb, pixel.rgb) +
+0.000000000001);
+float covered = clamp(dot(ownContrast, contrast) / square, 0.0, 1.0);
+vec3 other = ownContrast - contrast * covered;
+float isMixed = clamp(2.0 - 8.0 * dot(other, other) / square, 0.0, 1.0) * min(4.0 * covered,
+1.0);
+isMixed *= min(background.a, 1.0) * min(object.a, 1.0);
+return (farColor - behind) * (isMixed * (1.0 - covered));
+}
 vec4 BokehComposite(BOKEH_TEXTURE MapSamp, BOKEH_TEXTURE GatherTilesSamp, BOKEH_TEXTURE NearSamp,
 BOKEH_TEXTURE FarSamp, BOKEH_TEXTURE MidFillSamp, BOKEH_TEXTURE FarFillSamp,
 BokehPolygon polygon, BokehLayerContext layers)
@@ -1785,6 +1821,9 @@ if (layerReach <= 14.0 - 4.0 * float(BOKEH_LAYER_CUBIC))
 {
 denseRings += 1.0;
 }
+float outline = clamp(2.0 - abs(s), 0.0, 1.0) * clamp(layerReach - 14.0 + 4.0 *
+float(BOKEH_LAYER_CUBIC), 0.0, 1.0) * clamp(max(2.0 * BOKEH_TUNED_RING_WIDTH *
+denseRings, 1.0) - 2.0 * radius, 0.0, 1.0);
 float rings = denseRings;
 if (max(nearWeight, farWeight * tile.r * float(BOKEH_LAYER_RINGS - 1)) <= 0.0)
 {
@@ -1876,6 +1915,13 @@ float rest = plain.a - gather.front.a;
 float open = clamp(1.0 - gather.front.a, 0.0, 1.0) / max(rest, 0.1);
 result = (gather.front.rgb + (plain.rgb - gather.front.rgb) * open) / (gather.front.a +
 rest * open);
+}
+outline *= clamp(4.0 * farLayer.a, 0.0, 1.0);
+if (BOKEH_LAYER_OUTLINES > 0 && outline > 0.0)
+{
+vec3 change = BokehOutline(MapSamp, center, centerPixel, farColor,
+gather.slopes.y, layers);
+result = max(result + change * outline, vec3(0.0, 0.0, 0.0));
 }
 if (nearWeight > 0.0)
 {

@@ -203,10 +203,13 @@
 #error BOKEH_HLSL_SM must be 3, 4, 5 or 6
 #endif
 
-// Shader model 3 has no room for unrolled loops, so it always reads BokehSides
+// Shader model 3 has no room for unrolled loops, so it always reads BokehSides; and none for the
+// code that blends outlines
 #if BOKEH_HLSL_SM == 3
 #undef BOKEH_SIDES
 #define BOKEH_SIDES 0
+#undef BOKEH_LAYER_OUTLINES
+#define BOKEH_LAYER_OUTLINES 0
 #endif
 
 // BOKEH_LOOP stands in front of a loop whose count is large, or known only at run time. fxc would

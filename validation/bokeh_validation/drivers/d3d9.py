@@ -36,13 +36,15 @@ class D3D9(Driver):
 
     @property
     def precision(self) -> Precision:
-        """Return the precision, whose sin and cos are less exact than on other drivers.
+        """Return the precision, whose sin and cos are less exact than on other drivers; shader model 3 has no room for
+        blended outlines.
 
         For ps_3_0, fxc compiles both as sincos of frac(x / 2 pi + 1/2) 2 pi - pi, which multiplies the rounding of the
         fraction, FLOAT_STEP, by 2 pi.
         """
         device = super().precision
-        return replace(device, line=device.line + 2.0 * pi * FLOAT_STEP)
+        fixed = (("BOKEH_LAYER_OUTLINES", 0),)
+        return replace(device, line=device.line + 2.0 * pi * FLOAT_STEP, constants=fixed)
 
     def shader(self, stage: str, entry: str, values: dict[str, object]) -> str:
         """Compile an entry point and return its bytecode's file name in the program's folder.

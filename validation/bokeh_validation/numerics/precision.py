@@ -20,16 +20,18 @@ FLOAT_STEP = 2.0**-24
 
 @dataclass(frozen=True)
 class Precision:
-    """Hold the filter precision of a class of devices.
+    """Hold how a class of devices computes.
 
     subtexel  error of a sample's position from fixed-point coordinates, texels
     filter    rounding of the filter's blend, relative to the largest texel that it blends
     line      error of sin and cos
+    constants names and values of constants of `layered` that the language fixes, whatever a pass defines
     """
 
     subtexel: float
     filter: float
     line: float
+    constants: tuple[tuple[str, int], ...] = ()
 
     def place(self, length: int) -> float:
         """Return the error of a sample's position along an axis of `length` texels, in texels."""

@@ -155,6 +155,30 @@ def _steady() -> Iterator[tuple[str, Frame]]:
     yield "steady, part", in_part(frame)
 
 
+# CoC in pixels of objects in focus, and of what is around them: a wide blur; a far layer that only just exists; and
+# pixels outside all layers with the CoC from which the gather has an additional ring
+OUTLINES = {
+    "wide blur": (0.0, 0.8, -1.6, 18.0, 20.0),
+    "small layer": (0.0, 0.5, 10.3, 10.7),
+    "wide gather": (0.0, 0.9, 11.3, 11.7, 28.0),
+}
+
+
+def _outlines(cocs: tuple[float, ...]) -> Frame:
+    """Return a frame of patches with these CoC in pixels, antialiased colour, and bright and dark patches."""
+    frame = of_settings(replace(LAYERED, camera=near_edges.CAMERA), (64, 48))
+    random = np.random.default_rng(6)
+    # three by three samples in a pixel, and patches of 5 1/3 by 5 1/3 pixels
+    patches = np.kron(random.integers(0, len(cocs), (9, 12)), np.ones((16, 16), int))
+    colors = random.lognormal(0.0, 1.0, (9, 12, 3)) * random.choice((0.02, 1.0, 10.0), (9, 12, 3))
+    colors = np.kron(colors, np.ones((16, 16, 1)))
+    # the tint makes some pixels no mixture of those beside them
+    tint = random.choice((0.1, 1.0), (48, 64, 3)) ** (random.random((48, 64, 1)) < 0.5)
+    frame.textures["color"][..., :3] = colors.reshape(48, 3, 64, 3, 3).mean(axis=(1, 3)) * tint
+    depth = np.vectorize(near_edges.metres)(np.array(cocs)[patches[1::3, 1::3]], 48).astype(np.float32)
+    return replace(frame, textures={**frame.textures, "depth": depth})
+
+
 def _layers() -> Iterator[tuple[str, Frame]]:
     """Yield frames of layered: planes partly in a layer or in none, near over far, black next to bright, many tiles,
     one pixel.
@@ -171,6 +195,8 @@ def _layers() -> Iterator[tuple[str, Frame]]:
     for label, cocs in (planes | {"ragged": ragged, "ragged, near": np.minimum(ragged, 0.0)}).items():
         depth = np.vectorize(near_edges.metres)(cocs, 40).astype(np.float32)
         yield label, replace(frame, textures={**frame.textures, "depth": depth})
+    for label, cocs in OUTLINES.items():
+        yield f"outlines, {label}", _outlines(cocs)
     frame = of_settings(replace(LAYERED, **WIDE), (64, 48))
     frame.textures["color"][:, :32, :3] = 0.0
     frame.textures["color"][3::9, 36::7, :3] = 60000.0

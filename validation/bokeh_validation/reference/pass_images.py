@@ -97,6 +97,8 @@ class _Frame:
                 inputs[slot] = inputs[slot].part(*_slices(self.scales[render_pass.inputs[slot]], render_pass.viewport))
             # the inset is treated as an error of the sampled position; it only moves positions at the edge
             precision = precision and replace(precision, subtexel=precision.subtexel + VIEWPORT_INSET)
+        if precision and render_pass.spec.layers:
+            render_pass = replace(render_pass, defines=render_pass.defines | dict(precision.constants))
         target_images = kept.run_pass(render_pass, inputs, area[2:], precision, self.text)
         return dict(zip(render_pass.outputs, target_images, strict=True))
 

@@ -222,9 +222,9 @@ COUNTER = """float fetched = 0.0;
 #define texelFetch(tex, texel, level) (fetched += 1.0, texelFetch(tex, texel, level))"""
 
 
-def counted(settings: methods.Settings, depth: np.ndarray) -> tuple[float, float]:
-    """Count the fetches per full-size pixel of all passes on the device; returns the mean, and the sum of each pass's
-    maximum.
+def counted(settings: methods.Settings, depth: np.ndarray) -> tuple[float, float, float]:
+    """Count the fetches per full-size pixel of all passes on the device; returns the mean, the sum of each pass's
+    maximum, and the maximum of the last pass, Composite.
     """
     size = depth.shape[::-1]
     passes, scales = [], {}
@@ -238,7 +238,7 @@ def counted(settings: methods.Settings, depth: np.ndarray) -> tuple[float, float
     output = load("osmesa").run(passes, {"color": flat(size, 1.0), "depth": depth}, size, keep=list(scales))
     counts = [output[name][..., 0].astype(float) / scale**2 for name, scale in scales.items()]
     # plus the CoC map: the pixel and its four neighbours
-    return 5 + sum(map(np.mean, counts)), 5 + sum(map(np.max, counts))
+    return 5 + sum(map(np.mean, counts)), 5 + sum(map(np.max, counts)), counts[-1].max()
 
 
 # wide enough for the quarter layer with 16 samples on an edge, in layers of half size
@@ -263,8 +263,72 @@ def test_fetches(preset):
     settings = near_edges.settings(preset=preset)
     settings = replace(settings, camera=replace(near_edges.CAMERA, max_coc=largest / size[1]))
     passes = methods.plan(settings, size).passes
-    mean, maximum = counted(settings, coarse.repeat(2, 0).repeat(2, 1))
+    mean, maximum, _ = counted(settings, coarse.repeat(2, 0).repeat(2, 1))
     assert mean <= maximum <= MOST_FETCHES.get(preset, maximum)
     assert maximum == pytest.approx(fetches.of_frame(passes)["color"])
-    mean, _ = counted(settings, depth_of(size, near_edges.CAMERA.focus_distance))
+    mean, *_ = counted(settings, depth_of(size, near_edges.CAMERA.focus_distance))
     assert mean <= IN_FOCUS
+
+
+# CoC in pixels from which the gather reaches a little less far than where it has an additional ring, and from which it
+# reaches just as far; and what begins to be a far layer, for a preset with bicubic layers and for one without
+REACHES, STARTS = (0.5, 3.0, 5.7, 6.1, 11.6, 12.1), (10.6, 14.6, 24.0)
+
+
+@pytest.mark.parametrize("preset", methods.PRESETS)
+def test_fetches_at_outlines(preset):
+    """Check that Composite takes no more fetches than planned where it blends outlines in focus too."""
+    settings, (height, width) = near_edges.settings(preset=preset), (96, 128)
+    passes = methods.plan(settings, (width, height)).passes
+    planned = fetches.of_frame(passes[-1:])["color"]
+    most = 0.0
+    for reach in REACHES:
+        for start in STARTS:
+            depths = [near_edges.metres(coc, height) for coc in (0.0, -reach, start)]
+            coarse = np.random.default_rng(4).choice(np.float32(depths), (height // 4, width // 4), p=(0.6, 0.1, 0.3))
+            *_, composite = counted(settings, coarse.repeat(4, 0).repeat(4, 1))
+            assert composite <= planned, (reach, start)
+            most = max(most, composite)
+    # they were blended: more than a fetch of the map, one of a tile, and the layers
+    assert most > 2 + 2 * (5 if methods.PRESETS[preset][2] else 1)
+
+
+# Fraction of the outline's pixels that the object covers
+COVERED = 0.5
+
+
+def outlined(driver: Driver, blend: bool) -> tuple[np.ndarray, Case]:
+    """Draw a red wall in focus to the right of a dark background with lights, with one antialiased column between
+    them; returns the image and the case.
+
+    The background is dark beside the wall, so that the input's outline is dark too. Its lights begin 4 pixels farther.
+    """
+    case = noise_case((128, 64), LAYERED)
+    case.color[..., :3] = 0.0
+    case.color[:, :60, :3] = 8.0
+    case.color[:, 64:, :3] = 2.0, 0.25, 0.5
+    case.color[:, 64, :3] *= COVERED
+    case.depth[:, :64], case.depth[:, 64:] = near_edges.metres(BLUR, 64), near_edges.metres(0.0, 64)
+    *others, last = case.plan.passes
+    last = replace(last, defines=last.defines | {"BOKEH_LAYER_OUTLINES": int(blend)})
+    return driver.run((*others, last), case.textures(), case.size)["result"][..., :3].astype(np.float64), case
+
+
+@pytest.mark.parametrize("driver", LANGUAGES, indirect=True)
+def test_outlines(driver):
+    """Check that an antialiased outline in focus is blended with the blurred background, and that nothing else changes.
+
+    What is behind the outline lies between the background one pixel before and what the wall hides: there the blur of
+    the lights has fallen by at most as much as from one pixel to the next.
+    """
+    (image, case), (unblended, _) = outlined(driver, True), outlined(driver, False)
+    rows = slice(24, 40)
+    # the unblended outline is the input
+    np.testing.assert_array_equal(unblended[rows, 64], case.color[rows, 64, :3])
+    changed = np.abs(image - unblended).max(axis=(0, 2)) > 0.0
+    assert changed.nonzero()[0].tolist() == [64]
+    wall = case.color[rows, 65, :3].astype(np.float64)
+    behind = (image[rows, 64] - COVERED * wall) / (1.0 - COVERED)
+    beside, slope = image[rows, 63], np.abs(image[rows, 62] - image[rows, 63])
+    assert beside.min() > 1.0
+    assert (np.abs(behind - beside) <= 2.0 * slope + 0.02 * beside).all()
