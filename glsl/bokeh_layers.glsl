@@ -1375,7 +1375,7 @@ vec3 BokehOutline(BOKEH_TEXTURE MapSamp, vec2 center, vec4 pixel, vec3 farColor,
     // A pixel of another colour is no mixture of the two, and one that looks like the background
     // alone is a part of the object.
     vec3 other = ownContrast - contrast * covered;
-    float isMixed = clamp(2.0 - 8.0 * dot(other, other) / square, 0.0, 1.0) * min(4.0 * covered,
+    float isMixed = clamp(2.0 - 8.0 * dot(other, other) / square, 0.0, 1.0) * min(16.0 * covered,
         1.0);
     isMixed *= min(background.a, 1.0) * min(object.a, 1.0);
     return (farColor - behind) * (isMixed * (1.0 - covered));

@@ -1371,7 +1371,7 @@ fn BokehOutline(MapSamp: texture_2d<f32>, center: vec2f, pixel: vec4f, farColor:
     // A pixel of another colour is no mixture of the two, and one that looks like the background
     // alone is a part of the object.
     let other: vec3f = ownContrast - contrast * covered;
-    var isMixed: f32 = clamp(2.0 - 8.0 * dot(other, other) / square, 0.0, 1.0) * min(4.0 * covered,
+    var isMixed: f32 = clamp(2.0 - 8.0 * dot(other, other) / square, 0.0, 1.0) * min(16.0 * covered,
         1.0);
     isMixed *= min(background.a, 1.0) * min(object.a, 1.0);
     return (farColor - behind) * (isMixed * (1.0 - covered));

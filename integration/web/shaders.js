@@ -1236,7 +1236,7 @@ vec3 ownContrast=pixel.rgb-behind;
 float square=max(dot(contrast,contrast),.001*dot(pixel.rgb,pixel.rgb) +.000000000001);
 float covered=clamp(dot(ownContrast,contrast)/square,0.,1.);
 vec3 other=ownContrast-contrast*covered;
-float isMixed=clamp(2.-8.*dot(other,other)/square,0.,1.)*min(4.*covered,1.);
+float isMixed=clamp(2.-8.*dot(other,other)/square,0.,1.)*min(16.*covered,1.);
 isMixed*=min(background.a,1.)*min(object.a,1.);
 return (farColor-behind)*(isMixed*(1.-covered));}
 vec4 BokehComposite(BOKEH_TEXTURE MapSamp,BOKEH_TEXTURE GatherTilesSamp,BOKEH_TEXTURE NearSamp,BOKEH_TEXTURE FarSamp,BOKEH_TEXTURE MidFillSamp,BOKEH_TEXTURE FarFillSamp,BokehPolygon polygon,BokehLayerContext layers){
@@ -2473,7 +2473,7 @@ let ownContrast=pixel.rgb-behind;
 let square=max(dot(contrast,contrast),.001*dot(pixel.rgb,pixel.rgb) +.000000000001);
 let covered=clamp(dot(ownContrast,contrast)/square,0.,1.);
 let other=ownContrast-contrast*covered;
-var isMixed=clamp(2.-8.*dot(other,other)/square,0.,1.)*min(4.*covered,1.);
+var isMixed=clamp(2.-8.*dot(other,other)/square,0.,1.)*min(16.*covered,1.);
 isMixed*=min(background.a,1.)*min(object.a,1.);
 return (farColor-behind)*(isMixed*(1.-covered));}
 fn BokehComposite(MapSamp:texture_2d<f32>,GatherTilesSamp:texture_2d<f32>,NearSamp:texture_2d<f32>,FarSamp:texture_2d<f32>,MidFillSamp:texture_2d<f32>,FarFillSamp:texture_2d<f32>,polygon:BokehPolygon,layers:BokehLayerContext,BokehLinearClamp:sampler)->vec4f{

@@ -1773,7 +1773,7 @@ float square = max(dot(contrast, contrast), 0.001 * dot(pixel.rgb, pixel.rgb) +
 0.000000000001);
 float covered = clamp(dot(ownContrast, contrast) / square, 0.0, 1.0);
 vec3 other = ownContrast - contrast * covered;
-float isMixed = clamp(2.0 - 8.0 * dot(other, other) / square, 0.0, 1.0) * min(4.0 * covered,
+float isMixed = clamp(2.0 - 8.0 * dot(other, other) / square, 0.0, 1.0) * min(16.0 * covered,
 1.0);
 isMixed *= min(background.a, 1.0) * min(object.a, 1.0);
 return (farColor - behind) * (isMixed * (1.0 - covered));

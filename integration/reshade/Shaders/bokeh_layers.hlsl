@@ -1397,7 +1397,7 @@ float3 BokehOutline(BOKEH_TEXTURE MapSamp, float2 center, float4 pixel, float3 f
     // A pixel of another colour is no mixture of the two, and one that looks like the background
     // alone is a part of the object.
     float3 other = ownContrast - contrast * covered;
-    float isMixed = clamp(2.0 - 8.0 * dot(other, other) / square, 0.0, 1.0) * min(4.0 * covered,
+    float isMixed = clamp(2.0 - 8.0 * dot(other, other) / square, 0.0, 1.0) * min(16.0 * covered,
         1.0);
     isMixed *= min(background.a, 1.0) * min(object.a, 1.0);
     return (farColor - behind) * (isMixed * (1.0 - covered));

@@ -1721,7 +1721,7 @@ let square: f32 = max(dot(contrast, contrast), 0.001 * dot(pixel.rgb, pixel.rgb)
 0.000000000001);
 let covered: f32 = clamp(dot(ownContrast, contrast) / square, 0.0, 1.0);
 let other: vec3f = ownContrast - contrast * covered;
-var isMixed: f32 = clamp(2.0 - 8.0 * dot(other, other) / square, 0.0, 1.0) * min(4.0 * covered,
+var isMixed: f32 = clamp(2.0 - 8.0 * dot(other, other) / square, 0.0, 1.0) * min(16.0 * covered,
 1.0);
 isMixed *= min(background.a, 1.0) * min(object.a, 1.0);
 return (farColor - behind) * (isMixed * (1.0 - covered));
