@@ -52,13 +52,6 @@ export const GLSL = {
 #endif
 #define BOKEH_MIN_DEPTH 0.000001
 #define BOKEH_MAX_DEPTH 1000000000.0
-#define BOKEH_TUNED_LIGHT_START 4.0
-#define BOKEH_TUNED_LIGHT_FULL 8.0
-#define BOKEH_TUNED_RIM_START 1.3
-#define BOKEH_TUNED_RIM_FULL 1.5
-#define BOKEH_TUNED_RIM_LIGHT 64.0
-#define BOKEH_TUNED_SHARP_WEIGHT 0.5
-#define BOKEH_TUNED_DENSE_RATIO 0.25
 #if BOKEH_NUM_SAMPLES < 2
 #error
 #endif
@@ -188,11 +181,11 @@ brightest=BokehBrighter(brightest,left,vec2(-1.,0.));
 brightest=BokehBrighter(brightest,below,vec2(0.,1.));
 brightest=BokehBrighter(brightest,above,vec2(0.,-1.));
 float ratio=brightest.z/brightness;
-float dark=clamp((ratio-BOKEH_TUNED_LIGHT_START)/(BOKEH_TUNED_LIGHT_FULL -BOKEH_TUNED_LIGHT_START),0.,1.);
+float dark=clamp((ratio-4.)/(8. -4.),0.,1.);
 float overDarkest=1./max(darkest,.0000001);
-float rim=clamp((brightness*overDarkest-BOKEH_TUNED_RIM_START) /
-(BOKEH_TUNED_RIM_FULL-BOKEH_TUNED_RIM_START),0.,1.) *clamp(10.*ratio-10.,0.,1.);
-float light=clamp(brightest.z*overDarkest/BOKEH_TUNED_RIM_LIGHT-1.,0.,1.);
+float rim=clamp((brightness*overDarkest-1.3) /
+(1.5-1.3),0.,1.) *clamp(10.*ratio-10.,0.,1.);
+float light=clamp(brightest.z*overDarkest/64.-1.,0.,1.);
 return vec4(brightest.xy,dark,rim+rim*light);}
 vec4 BokehBrightNeighbor(BOKEH_TEXTURE ColorSamp,vec2 uv,vec2 imageSize){
 vec2 pixel=1./max(imageSize,vec2(1.,1.));
@@ -331,11 +324,11 @@ middle-=polygon.corner+BokehEdge(2,polygon);}
 vec4 segment=vec4(BokehRotated(middle,polygon.axis),BokehRotated(halfEdge,polygon.axis));
 return segment*vec4(polygon.squeeze,1.,polygon.squeeze,1.);}
 float BokehNearRayWeight(float ratio){
-return clamp(max(BOKEH_TUNED_SHARP_WEIGHT+4.*ratio,-ratio),BOKEH_TUNED_SHARP_WEIGHT,1.);}
+return clamp(max(.5+4.*ratio,-ratio),.5,1.);}
 vec2 BokehFarRayWeight(float ratio,float samples,int i){
 float part=min(abs(ratio),1.);
 float reached=clamp(part*samples-float(i),0.,1.);
-return vec2(reached/max(part,BOKEH_TUNED_DENSE_RATIO),reached);}
+return vec2(reached/max(part,.25),reached);}
 struct BokehLine{
 vec4 sum;
 float reached;
@@ -622,26 +615,6 @@ return BokehResolve(color,totalWeight,centerPixel,blurCoC);}
 #ifndef BOKEH_MIN_BRIGHTNESS
 #define BOKEH_MIN_BRIGHTNESS 0.00001
 #endif
-#define BOKEH_TUNED_NEAR_START 6.0
-#define BOKEH_TUNED_NEAR_FULL 12.0
-#define BOKEH_TUNED_FAR_START 10.0
-#define BOKEH_TUNED_FAR_FULL 16.0
-#define BOKEH_TUNED_NEAR_LIMIT 60.0
-#define BOKEH_TUNED_COC_SIGMA 0.0375
-#define BOKEH_TUNED_NEAR_SELF_BLUR 9.0
-#define BOKEH_TUNED_FAR_SELF_BLUR 0.06
-#define BOKEH_TUNED_FAR_SELF_BLUR_MIN 7.5
-#define BOKEH_TUNED_FAR_SELF_BLUR_MAX 22.0
-#define BOKEH_TUNED_NEAR_QUARTER 1.5
-#define BOKEH_TUNED_FAR_QUARTER 1.15
-#define BOKEH_TUNED_HEXAGON_SIDE 0.4
-#define BOKEH_TUNED_SQUARE_SIDE 0.2
-#define BOKEH_TUNED_RING_WIDTH 3.0
-#define BOKEH_TUNED_SINGLE_RADIUS 6.0
-#define BOKEH_TUNED_RING_POSITION 0.58
-#define BOKEH_TUNED_RING_STEP 0.04
-#define BOKEH_TUNED_PIXEL_BLUR 0.6
-#define BOKEH_TUNED_NEAR_ALPHA 1.002
 struct BokehGrid{
 vec2 size;
 vec2 origin;
@@ -699,9 +672,9 @@ float BokehLayerSlope(float largest,float startCoC,float fullCoC){
 float gate=clamp((largest-startCoC)/(fullCoC-startCoC),.001,1.);
 return 5./max(largest/gate,2.);}
 float BokehNearSlope(float largest){
-return BokehLayerSlope(min(largest,BOKEH_TUNED_NEAR_LIMIT),BOKEH_TUNED_NEAR_START,BOKEH_TUNED_NEAR_FULL);}
+return BokehLayerSlope(min(largest,60.),6.,12.);}
 float BokehFarSlope(float largest){
-return BokehLayerSlope(largest,BOKEH_TUNED_FAR_START,BOKEH_TUNED_FAR_FULL);}
+return BokehLayerSlope(largest,10.,16.);}
 float BokehLayerWeight(float CoC,float slope){
 return clamp(CoC*slope-2.,0.,1.);}
 vec4 BokehTileMax(BOKEH_TEXTURE MapSamp,BokehLayerContext layers){
@@ -847,7 +820,7 @@ return targets;}
 BokehTileSums BokehLayerCoCAlong(BOKEH_TEXTURE GatherCoCSamp,BOKEH_TEXTURE SumsSamp,BOKEH_TEXTURE DilatedTilesSamp,vec2 axis,BokehLayerContext layers){
 BokehGrid grid=BokehReducedGrid(layers,8.);
 vec2 tile=BokehFetchGrid(DilatedTilesSamp,layers.uv*grid.size,grid).rg;
-vec2 sigma=max(tile*BOKEH_TUNED_COC_SIGMA,vec2(.6,.6));
+vec2 sigma=max(tile*.0375,vec2(.6,.6));
 float radius=BokehReachTiles(layers);
 vec4 sums=vec4(0.,0.,0.,0.);
 vec2 gatherCoC=vec2(0.,0.);
@@ -877,9 +850,9 @@ vec2 tile=BokehFetchGrid(DilatedTilesSamp,layers.uv*grid.size,grid).rg;
 BokehTileSums tileSums=BokehLayerCoCAlong(GatherCoCSamp,SumsSamp,DilatedTilesSamp,vec2(0.,1.),layers);
 vec4 sums=tileSums.sums;
 vec2 layerCoC=vec2(0.,0.);
-if(sums.g>.0001&&tile.r>BOKEH_TUNED_NEAR_START){
+if(sums.g>.0001&&tile.r>6.){
 layerCoC=vec2(8.*sums.r/sums.g,0.);}
-if(sums.a>.0001&&tile.g>BOKEH_TUNED_FAR_START){
+if(sums.a>.0001&&tile.g>10.){
 layerCoC=vec2(layerCoC.x,8.*sums.b/sums.a);}
 BokehLayerCoCTargets targets;
 targets.gatherTiles=vec4(tile,tileSums.gatherCoC.rg);
@@ -897,17 +870,17 @@ float sideTap;
 };
 BokehBlur BokehLayerBlur(vec2 layerCoC,bool isFar,BokehPolygon polygon){
 float CoC=layerCoC.r/float(BOKEH_LAYER_SCALE);
-float minSpacing=BOKEH_TUNED_NEAR_QUARTER;
-float selfBlur=BOKEH_TUNED_NEAR_SELF_BLUR;
+float minSpacing=1.5;
+float selfBlur=9.;
 if(isFar){
 CoC=layerCoC.g/float(BOKEH_LAYER_SCALE);
-minSpacing=BOKEH_TUNED_FAR_QUARTER;
-selfBlur=clamp(BOKEH_TUNED_FAR_SELF_BLUR*CoC*CoC,BOKEH_TUNED_FAR_SELF_BLUR_MIN,BOKEH_TUNED_FAR_SELF_BLUR_MAX);}
+minSpacing=1.15;
+selfBlur=clamp(.06*CoC*CoC,7.5,22.);}
 float spacing=.5*CoC/float(BOKEH_LAYER_SAMPLES);
-float hard=BOKEH_TUNED_HEXAGON_SIDE;
+float hard=.4;
 if(polygon.sides<6){
 spacing=.354*CoC/float(BOKEH_LAYER_SAMPLES);
-hard=BOKEH_TUNED_SQUARE_SIDE;}
+hard=.2;}
 BokehBlur blur;
 blur.useQuarterLayer=spacing>minSpacing;
 blur.sideTap=0.;
@@ -991,7 +964,7 @@ vec4 mid=BokehFetchGrid(MidSamp,center,grid);
 vec4 far=BokehFetchGrid(FarSamp,center,grid);
 vec2 weights=BokehHoleWeights(mid,far,inverseBrightness);
 for(int ring=0;ring<3;ring++){
-if(nearCoC<BOKEH_TUNED_NEAR_START){
+if(nearCoC<6.){
 break;}
 float diameter=max(nearCoC/8.,2.)*exp2(1.5*float(ring)-2.);
 float weight=1./(1.+4.*diameter*diameter*diameter);
@@ -1139,7 +1112,7 @@ result=BokehFetchGrid(LayerSamp,place,grid);}
 return result;}
 vec2 BokehSpreadInverse(vec2 CoC){
 vec2 inverse=1./max(CoC*CoC,vec2(.000001,.000001));
-return inverse*(inverse*(16.*BOKEH_TUNED_PIXEL_BLUR)+4.);}
+return inverse*(inverse*(16.*.6)+4.);}
 struct BokehRingLayout{
 float radius;
 float spacing;
@@ -1166,7 +1139,7 @@ BokehGather gather=before;
 BokehGrid full=BokehFullGrid(layers);
 vec2 zero=vec2(0.,0.);
 vec2 one=vec2(1.,1.);
-float outwards=BOKEH_TUNED_RING_POSITION-BOKEH_TUNED_RING_STEP*float(BOKEH_LAYER_RINGS);
+float outwards=.58-.04*float(BOKEH_LAYER_RINGS);
 float current=gather.inner+(outer-gather.inner)*outwards;
 float innerSquare=gather.inner*gather.inner;
 float area=outer*outer-innerSquare;
@@ -1247,9 +1220,9 @@ vec4 tile=BokehFetchGrid(GatherTilesSamp,center/8.,BokehReducedGrid(layers,8.));
 vec3 result=centerPixel.rgb;
 BokehGrid grid=BokehLayerGrid(layers);
 vec4 nearLayer=vec4(0.,0.,0.,0.);
-if(BOKEH_SIDES>0&&tile.r>BOKEH_TUNED_NEAR_START){
+if(BOKEH_SIDES>0&&tile.r>6.){
 nearLayer=BokehFetchLayer(NearSamp,center/float(BOKEH_LAYER_SCALE),grid);}
-if(max(tile.r,tile.g)>1.&&nearLayer.a*BOKEH_TUNED_NEAR_ALPHA<1.){
+if(max(tile.r,tile.g)>1.&&nearLayer.a*1.002<1.){
 BokehGather gather;
 float s=centerPixel.a*full.size.y;
 gather.center=center;
@@ -1263,18 +1236,18 @@ float restRadius=clamp(16.-16.*farWeight,0.,1.)*(1.-nearWeight) /
 sqrt(gather.inverse);
 float radius=max(max(restRadius,.01),.5*max(tile.b,tile.a*farWeight));
 if(BOKEH_LAYER_RINGS==0){
-radius=min(radius,BOKEH_TUNED_SINGLE_RADIUS);}
+radius=min(radius,6.);}
 BokehRingLayout ringLayout;
 ringLayout.radius=radius;
 ringLayout.narrowing=clamp(radius/max(restRadius,1.)-1.,0.,1.);
-float layerReach=max(tile.g,tile.r+(BOKEH_TUNED_FAR_START -BOKEH_TUNED_NEAR_START));
+float layerReach=max(tile.g,tile.r+(10. -6.));
 float denseRings=float(BOKEH_LAYER_RINGS);
 if(layerReach<=14.-4.*float(BOKEH_LAYER_CUBIC)){
 denseRings+=1.;}
-float outline=clamp(2.-abs(s),0.,1.)*clamp(layerReach-14.+4. *float(BOKEH_LAYER_CUBIC),0.,1.)*clamp(max(2.*BOKEH_TUNED_RING_WIDTH *denseRings,1.)-2.*radius,0.,1.);
+float outline=clamp(2.-abs(s),0.,1.)*clamp(layerReach-14.+4. *float(BOKEH_LAYER_CUBIC),0.,1.)*clamp(max(2.*3. *denseRings,1.)-2.*radius,0.,1.);
 float rings=denseRings;
 if(max(nearWeight,farWeight*tile.r*float(BOKEH_LAYER_RINGS-1))<=0.){
-rings=max(rings,min(radius/BOKEH_TUNED_RING_WIDTH,float(BOKEH_LAYER_RINGS)+1.));}
+rings=max(rings,min(radius/3.,float(BOKEH_LAYER_RINGS)+1.));}
 ringLayout.spacing=max(min(radius/1.499,1.),radius/(rings+.499));
 gather.inner=BokehRingBorder(0,ringLayout);
 if(radius<.5){
@@ -1307,7 +1280,7 @@ density=1;}
 float outer=min(BokehRingBorder(ring,ringLayout),radius);
 gather=BokehGatherRing(gather,MapSamp,ring,BokehSamplesPerEdge(density,polygon),outer,polygon,layers);}}
 vec4 farLayer=vec4(0.,0.,0.,0.);
-if(layerReach>BOKEH_TUNED_FAR_START){
+if(layerReach>10.){
 if(BOKEH_SIDES==0){
 nearLayer=BokehFetchLayer(NearSamp,center/float(BOKEH_LAYER_SCALE),grid);}
 farLayer=BokehFetchLayer(FarSamp,center/float(BOKEH_LAYER_SCALE),grid);}
@@ -1338,7 +1311,7 @@ float cover=empty*clamp((midFill.a-.3)/.4,0.,1.);
 vec3 stack=(sum.rgb+midFill.rgb*cover+farColor*(empty-cover)) /
 max(sum.a+empty,.000001);
 result+=(stack-result)*nearWeight;}}
-float alpha=clamp(nearLayer.a*BOKEH_TUNED_NEAR_ALPHA,0.,1.);
+float alpha=clamp(nearLayer.a*1.002,0.,1.);
 result=result*(1.-alpha)+nearLayer.rgb*(alpha/max(nearLayer.a,.000001));
 return vec4(result,centerPixel.a);}
 `,
@@ -1446,13 +1419,6 @@ override BOKEH_SIDES: i32 = 0;
 const BOKEH_MAX_COLOR:f32=65504.;
 const BOKEH_MIN_DEPTH:f32=.000001;
 const BOKEH_MAX_DEPTH:f32=1000000000.;
-const BOKEH_TUNED_LIGHT_START:f32=4.;
-const BOKEH_TUNED_LIGHT_FULL:f32=8.;
-const BOKEH_TUNED_RIM_START:f32=1.3;
-const BOKEH_TUNED_RIM_FULL:f32=1.5;
-const BOKEH_TUNED_RIM_LIGHT:f32=64.;
-const BOKEH_TUNED_SHARP_WEIGHT:f32=.5;
-const BOKEH_TUNED_DENSE_RATIO:f32=.25;
 alias BokehDepthTexture = texture_2d<f32>;
 fn BokehFetchTexture(tex:texture_2d<f32>,coords:vec2f,BokehLinearClamp:sampler)->vec4f{
 return textureSampleLevel(tex,BokehLinearClamp,coords,0.);}
@@ -1550,11 +1516,11 @@ brightest=BokehBrighter(brightest,left,vec2f(-1.,0.));
 brightest=BokehBrighter(brightest,below,vec2f(0.,1.));
 brightest=BokehBrighter(brightest,above,vec2f(0.,-1.));
 let ratio=brightest.z/brightness;
-let dark=clamp((ratio-BOKEH_TUNED_LIGHT_START)/(BOKEH_TUNED_LIGHT_FULL -BOKEH_TUNED_LIGHT_START),0.,1.);
+let dark=clamp((ratio-4.)/(8. -4.),0.,1.);
 let overDarkest=1./max(darkest,.0000001);
-let rim=clamp((brightness*overDarkest-BOKEH_TUNED_RIM_START) /
-(BOKEH_TUNED_RIM_FULL-BOKEH_TUNED_RIM_START),0.,1.) *clamp(10.*ratio-10.,0.,1.);
-let light=clamp(brightest.z*overDarkest/BOKEH_TUNED_RIM_LIGHT-1.,0.,1.);
+let rim=clamp((brightness*overDarkest-1.3) /
+(1.5-1.3),0.,1.) *clamp(10.*ratio-10.,0.,1.);
+let light=clamp(brightest.z*overDarkest/64.-1.,0.,1.);
 return vec4f(brightest.xy,dark,rim+rim*light);}
 fn BokehBrightNeighbor(ColorSamp:texture_2d<f32>,uv:vec2f,imageSize:vec2f)->vec4f{
 let pixel=1./max(imageSize,vec2f(1.,1.));
@@ -1675,11 +1641,11 @@ middle-=polygon.corner+BokehEdge(2,polygon);}
 let segment=vec4f(BokehRotated(middle,polygon.axis),BokehRotated(halfEdge,polygon.axis));
 return segment*vec4f(polygon.squeeze,1.,polygon.squeeze,1.);}
 fn BokehNearRayWeight(ratio:f32)->f32{
-return clamp(max(BOKEH_TUNED_SHARP_WEIGHT+4.*ratio,-ratio),BOKEH_TUNED_SHARP_WEIGHT,1.);}
+return clamp(max(.5+4.*ratio,-ratio),.5,1.);}
 fn BokehFarRayWeight(ratio:f32,samples:f32,i:i32)->vec2f{
 let part=min(abs(ratio),1.);
 let reached=clamp(part*samples-f32(i),0.,1.);
-return vec2f(reached/max(part,BOKEH_TUNED_DENSE_RATIO),reached);}
+return vec2f(reached/max(part,.25),reached);}
 struct BokehLine{
 sum:vec4f,reached:f32,}
 fn BokehLineSum(tex:texture_2d<f32>,uv:vec2f,k:i32,polygon:BokehPolygon,secondPass:bool,rays:bool,centerPixel:vec4f,settings:BokehSamplingSettings,BokehLinearClamp:sampler)->BokehLine{
@@ -1906,26 +1872,6 @@ override BOKEH_LAYER_CUBIC: i32 = 1;
 override BOKEH_LAYER_SCALE: i32 = 2;
 override BOKEH_LAYER_OUTLINES: i32 = 1;
 const BOKEH_MIN_BRIGHTNESS:f32=.00001;
-const BOKEH_TUNED_NEAR_START:f32=6.;
-const BOKEH_TUNED_NEAR_FULL:f32=12.;
-const BOKEH_TUNED_FAR_START:f32=10.;
-const BOKEH_TUNED_FAR_FULL:f32=16.;
-const BOKEH_TUNED_NEAR_LIMIT:f32=60.;
-const BOKEH_TUNED_COC_SIGMA:f32=.0375;
-const BOKEH_TUNED_NEAR_SELF_BLUR:f32=9.;
-const BOKEH_TUNED_FAR_SELF_BLUR:f32=.06;
-const BOKEH_TUNED_FAR_SELF_BLUR_MIN:f32=7.5;
-const BOKEH_TUNED_FAR_SELF_BLUR_MAX:f32=22.;
-const BOKEH_TUNED_NEAR_QUARTER:f32=1.5;
-const BOKEH_TUNED_FAR_QUARTER:f32=1.15;
-const BOKEH_TUNED_HEXAGON_SIDE:f32=.4;
-const BOKEH_TUNED_SQUARE_SIDE:f32=.2;
-const BOKEH_TUNED_RING_WIDTH:f32=3.;
-const BOKEH_TUNED_SINGLE_RADIUS:f32=6.;
-const BOKEH_TUNED_RING_POSITION:f32=.58;
-const BOKEH_TUNED_RING_STEP:f32=.04;
-const BOKEH_TUNED_PIXEL_BLUR:f32=.6;
-const BOKEH_TUNED_NEAR_ALPHA:f32=1.002;
 struct BokehGrid{
 size:vec2f,origin:vec2f,texel:vec2f,}
 struct BokehLayerContext{
@@ -1974,9 +1920,9 @@ fn BokehLayerSlope(largest:f32,startCoC:f32,fullCoC:f32)->f32{
 let gate=clamp((largest-startCoC)/(fullCoC-startCoC),.001,1.);
 return 5./max(largest/gate,2.);}
 fn BokehNearSlope(largest:f32)->f32{
-return BokehLayerSlope(min(largest,BOKEH_TUNED_NEAR_LIMIT),BOKEH_TUNED_NEAR_START,BOKEH_TUNED_NEAR_FULL);}
+return BokehLayerSlope(min(largest,60.),6.,12.);}
 fn BokehFarSlope(largest:f32)->f32{
-return BokehLayerSlope(largest,BOKEH_TUNED_FAR_START,BOKEH_TUNED_FAR_FULL);}
+return BokehLayerSlope(largest,10.,16.);}
 fn BokehLayerWeight(CoC:f32,slope:f32)->f32{
 return clamp(CoC*slope-2.,0.,1.);}
 fn BokehTileMax(MapSamp:texture_2d<f32>,layers:BokehLayerContext,BokehLinearClamp:sampler)->vec4f{
@@ -2116,7 +2062,7 @@ return targets;}
 fn BokehLayerCoCAlong(GatherCoCSamp:texture_2d<f32>,SumsSamp:texture_2d<f32>,DilatedTilesSamp:texture_2d<f32>,axis:vec2f,layers:BokehLayerContext,BokehLinearClamp:sampler)->BokehTileSums{
 let grid=BokehReducedGrid(layers,8.);
 let tile=BokehFetchGrid(DilatedTilesSamp,layers.uv*grid.size,grid,BokehLinearClamp).rg;
-let sigma=max(tile*BOKEH_TUNED_COC_SIGMA,vec2f(.6,.6));
+let sigma=max(tile*.0375,vec2f(.6,.6));
 let radius=BokehReachTiles(layers);
 var sums=vec4f(0.,0.,0.,0.);
 var gatherCoC=vec2f(0.,0.);
@@ -2144,9 +2090,9 @@ let tile=BokehFetchGrid(DilatedTilesSamp,layers.uv*grid.size,grid,BokehLinearCla
 let tileSums=BokehLayerCoCAlong(GatherCoCSamp,SumsSamp,DilatedTilesSamp,vec2f(0.,1.),layers,BokehLinearClamp);
 let sums=tileSums.sums;
 var layerCoC=vec2f(0.,0.);
-if(sums.g>.0001&&tile.r>BOKEH_TUNED_NEAR_START){
+if(sums.g>.0001&&tile.r>6.){
 layerCoC=vec2f(8.*sums.r/sums.g,0.);}
-if(sums.a>.0001&&tile.g>BOKEH_TUNED_FAR_START){
+if(sums.a>.0001&&tile.g>10.){
 layerCoC=vec2f(layerCoC.x,8.*sums.b/sums.a);}
 var targets:BokehLayerCoCTargets;
 targets.gatherTiles=vec4f(tile,tileSums.gatherCoC.rg);
@@ -2160,17 +2106,17 @@ struct BokehBlur{
 CoC:f32,spacing:f32,useQuarterLayer:bool,sideTap:f32,}
 fn BokehLayerBlur(layerCoC:vec2f,isFar:bool,polygon:BokehPolygon)->BokehBlur{
 var CoC=layerCoC.r/f32(BOKEH_LAYER_SCALE);
-var minSpacing=BOKEH_TUNED_NEAR_QUARTER;
-var selfBlur=BOKEH_TUNED_NEAR_SELF_BLUR;
+var minSpacing=1.5;
+var selfBlur=9.;
 if(isFar){
 CoC=layerCoC.g/f32(BOKEH_LAYER_SCALE);
-minSpacing=BOKEH_TUNED_FAR_QUARTER;
-selfBlur=clamp(BOKEH_TUNED_FAR_SELF_BLUR*CoC*CoC,BOKEH_TUNED_FAR_SELF_BLUR_MIN,BOKEH_TUNED_FAR_SELF_BLUR_MAX);}
+minSpacing=1.15;
+selfBlur=clamp(.06*CoC*CoC,7.5,22.);}
 var spacing=.5*CoC/f32(BOKEH_LAYER_SAMPLES);
-var hard=BOKEH_TUNED_HEXAGON_SIDE;
+var hard=.4;
 if(polygon.sides<6){
 spacing=.354*CoC/f32(BOKEH_LAYER_SAMPLES);
-hard=BOKEH_TUNED_SQUARE_SIDE;}
+hard=.2;}
 var blur:BokehBlur;
 blur.useQuarterLayer=spacing>minSpacing;
 blur.sideTap=0.;
@@ -2248,7 +2194,7 @@ var mid=BokehFetchGrid(MidSamp,center,grid,BokehLinearClamp);
 var far=BokehFetchGrid(FarSamp,center,grid,BokehLinearClamp);
 var weights=BokehHoleWeights(mid,far,inverseBrightness);
 for(var ring=0;ring<3;ring++){
-if(nearCoC<BOKEH_TUNED_NEAR_START){
+if(nearCoC<6.){
 break;}
 let diameter=max(nearCoC/8.,2.)*exp2(1.5*f32(ring)-2.);
 let weight=1./(1.+4.*diameter*diameter*diameter);
@@ -2390,7 +2336,7 @@ result=BokehFetchGrid(LayerSamp,place,grid,BokehLinearClamp);}
 return result;}
 fn BokehSpreadInverse(CoC:vec2f)->vec2f{
 let inverse=1./max(CoC*CoC,vec2f(.000001,.000001));
-return inverse*(inverse*(16.*BOKEH_TUNED_PIXEL_BLUR)+4.);}
+return inverse*(inverse*(16.*.6)+4.);}
 struct BokehRingLayout{
 radius:f32,spacing:f32,narrowing:f32,}
 fn BokehRingBorder(ring:i32,rings:BokehRingLayout)->f32{
@@ -2403,7 +2349,7 @@ var gather=before;
 let full=BokehFullGrid(layers);
 let zero=vec2f(0.,0.);
 let one=vec2f(1.,1.);
-let outwards=BOKEH_TUNED_RING_POSITION-BOKEH_TUNED_RING_STEP*f32(BOKEH_LAYER_RINGS);
+let outwards=.58-.04*f32(BOKEH_LAYER_RINGS);
 let current=gather.inner+(outer-gather.inner)*outwards;
 let innerSquare=gather.inner*gather.inner;
 let area=outer*outer-innerSquare;
@@ -2484,9 +2430,9 @@ let tile=BokehFetchGrid(GatherTilesSamp,center/8.,BokehReducedGrid(layers,8.),Bo
 var result=centerPixel.rgb;
 let grid=BokehLayerGrid(layers);
 var nearLayer=vec4f(0.,0.,0.,0.);
-if(BOKEH_SIDES>0&&tile.r>BOKEH_TUNED_NEAR_START){
+if(BOKEH_SIDES>0&&tile.r>6.){
 nearLayer=BokehFetchLayer(NearSamp,center/f32(BOKEH_LAYER_SCALE),grid,BokehLinearClamp);}
-if(max(tile.r,tile.g)>1.&&nearLayer.a*BOKEH_TUNED_NEAR_ALPHA<1.){
+if(max(tile.r,tile.g)>1.&&nearLayer.a*1.002<1.){
 var gather:BokehGather;
 let s=centerPixel.a*full.size.y;
 gather.center=center;
@@ -2500,18 +2446,18 @@ let restRadius=clamp(16.-16.*farWeight,0.,1.)*(1.-nearWeight) /
 sqrt(gather.inverse);
 var radius=max(max(restRadius,.01),.5*max(tile.b,tile.a*farWeight));
 if(BOKEH_LAYER_RINGS==0){
-radius=min(radius,BOKEH_TUNED_SINGLE_RADIUS);}
+radius=min(radius,6.);}
 var ringLayout:BokehRingLayout;
 ringLayout.radius=radius;
 ringLayout.narrowing=clamp(radius/max(restRadius,1.)-1.,0.,1.);
-let layerReach=max(tile.g,tile.r+(BOKEH_TUNED_FAR_START -BOKEH_TUNED_NEAR_START));
+let layerReach=max(tile.g,tile.r+(10. -6.));
 var denseRings=f32(BOKEH_LAYER_RINGS);
 if(layerReach<=14.-4.*f32(BOKEH_LAYER_CUBIC)){
 denseRings+=1.;}
-var outline=clamp(2.-abs(s),0.,1.)*clamp(layerReach-14.+4. *f32(BOKEH_LAYER_CUBIC),0.,1.)*clamp(max(2.*BOKEH_TUNED_RING_WIDTH *denseRings,1.)-2.*radius,0.,1.);
+var outline=clamp(2.-abs(s),0.,1.)*clamp(layerReach-14.+4. *f32(BOKEH_LAYER_CUBIC),0.,1.)*clamp(max(2.*3. *denseRings,1.)-2.*radius,0.,1.);
 var rings=denseRings;
 if(max(nearWeight,farWeight*tile.r*f32(BOKEH_LAYER_RINGS-1))<=0.){
-rings=max(rings,min(radius/BOKEH_TUNED_RING_WIDTH,f32(BOKEH_LAYER_RINGS)+1.));}
+rings=max(rings,min(radius/3.,f32(BOKEH_LAYER_RINGS)+1.));}
 ringLayout.spacing=max(min(radius/1.499,1.),radius/(rings+.499));
 gather.inner=BokehRingBorder(0,ringLayout);
 if(radius<.5){
@@ -2544,7 +2490,7 @@ density=1;}
 let outer=min(BokehRingBorder(ring,ringLayout),radius);
 gather=BokehGatherRing(gather,MapSamp,ring,BokehSamplesPerEdge(density,polygon),outer,polygon,layers,BokehLinearClamp);}}
 var farLayer=vec4f(0.,0.,0.,0.);
-if(layerReach>BOKEH_TUNED_FAR_START){
+if(layerReach>10.){
 if(BOKEH_SIDES==0){
 nearLayer=BokehFetchLayer(NearSamp,center/f32(BOKEH_LAYER_SCALE),grid,BokehLinearClamp);}
 farLayer=BokehFetchLayer(FarSamp,center/f32(BOKEH_LAYER_SCALE),grid,BokehLinearClamp);}
@@ -2574,7 +2520,7 @@ let cover=empty*clamp((midFill.a-.3)/.4,0.,1.);
 let stack=(sum.rgb+midFill.rgb*cover+farColor*(empty-cover)) /
 max(sum.a+empty,.000001);
 result+=(stack-result)*nearWeight;}}
-let alpha=clamp(nearLayer.a*BOKEH_TUNED_NEAR_ALPHA,0.,1.);
+let alpha=clamp(nearLayer.a*1.002,0.,1.);
 result=result*(1.-alpha)+nearLayer.rgb*(alpha/max(nearLayer.a,.000001));
 return vec4f(result,centerPixel.a);}
 `,

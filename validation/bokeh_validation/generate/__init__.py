@@ -1,7 +1,7 @@
 """Write the files of integration/ and docs/ that follow from the shaders: the command `validation/run generate`."""
 
 import re
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from functools import cache
 from typing import Annotated, NamedTuple
 
@@ -33,6 +33,8 @@ PANDA3D = "integration/panda3d/bokeh_panda3d"
 PLANNED = [(method, aperture) for method in ("exact", "layered") for aperture in methods.EXACT]
 # Parts of section [2] that Godot's shading language lacks: a precision for all floats, and variables outside
 # functions. That rules out BOKEH_VIEWPORT, but an image in Godot always fills its textures.
+# A tuned constant in GLSL or in WGSL: name, value
+TUNED = r"^(?:#define |const )(BOKEH_TUNED_\w+)(?:: f32 =)? ([\d.]+);?$"
 NOT_IN_GODOT = (
     r"#ifdef GL_ES\n.*?\n#endif\n#endif\n\n",
     r"// where the image lies in its textures.*?(?=// Porting: converts image uv)",
@@ -192,11 +194,20 @@ def web_shaders() -> str:
         programs = texts.pop("bokeh_passes")
         functions = {match["name"]: match[0] for match in shaders.FUNCTION.finditer(programs)}
         texts["noise"] = functions["BokehNoise"]
+        texts = _with_values(texts)
         lines += ["", f"export const {language.upper()} = {{"]
         for name, text in texts.items():
             lines += [f"  {name}: `", *_joined(map(_compact, _code(text))), "`,"]
         lines.append("};")
     return "\n".join(lines) + "\n"
+
+
+def _with_values(texts: Mapping[str, str]) -> dict[str, str]:
+    """Return the texts with each tuned constant's value in place of its name and its declaration."""
+    whole = "".join(texts.values())
+    values = dict(re.findall(TUNED, whole, re.MULTILINE))
+    without = {name: re.sub(TUNED, "", text, flags=re.MULTILINE) for name, text in texts.items()}
+    return {name: re.sub(r"\bBOKEH_TUNED_\w+", lambda match: values[match[0]], text) for name, text in without.items()}
 
 
 def python_shaders() -> str:
