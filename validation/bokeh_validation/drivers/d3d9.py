@@ -14,7 +14,7 @@ from bokeh_validation.compilers import fxc
 from bokeh_validation.drivers.base import Driver, Image, flattened
 from bokeh_validation.errors import Unavailable
 from bokeh_validation.numerics.images import STORAGE
-from bokeh_validation.numerics.precision import FLOAT_STEP, Precision
+from bokeh_validation.numerics.precision import FLOAT_STEP, SHADER_MODEL_3, Precision
 from bokeh_validation.shaders.passes import SLOTS, is_linear
 from bokeh_validation.windows import programs, server, wine
 
@@ -43,8 +43,7 @@ class D3D9(Driver):
         fraction, FLOAT_STEP, by 2 pi.
         """
         device = super().precision
-        fixed = (("BOKEH_LAYER_OUTLINES", 0),)
-        return replace(device, line=device.line + 2.0 * pi * FLOAT_STEP, constants=fixed)
+        return replace(device, line=device.line + 2.0 * pi * FLOAT_STEP, constants=SHADER_MODEL_3)
 
     def shader(self, stage: str, entry: str, values: dict[str, object]) -> str:
         """Compile an entry point and return its bytecode's file name in the program's folder.

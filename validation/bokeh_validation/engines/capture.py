@@ -15,6 +15,8 @@ capture.json is next to raw little-endian files, whose rows start at v = 0 (the 
 All keys of a shot except name and result are fields of methods.Settings; fields that are left out have their defaults.
 A shot may have its own camera, color, depth and stored, which override the common ones.
 
+"constants" has the constants of layered that the sample's language fixes, if there are any.
+
 "pull" records the autofocus, for the tests:
 
     "pull": {"frame": 0.0333, "seconds": 0.2, "from": metres, "points": [[u, v, metres], ...], "distances": [...]}
@@ -111,11 +113,10 @@ def _shot(folder: Path, data: dict, shot: dict) -> Shot:
     # Engines do not say how their targets round, so the rounding that fits is used. Mesa's targets truncate, all
     # others here round to nearest; the likely one is tried first.
     roundings = ("zero", "nearest") if software_device(data["device"]) == "Mesa" else ("nearest", "zero")
+    precision = replace(precision_of(data["device"]), constants=tuple(data.get("constants", {}).items()))
     attempts = []
     for rounding in roundings:
-        attempts.append(
-            _compared(shot["name"], case, passes, textures, outputs, precision_of(data["device"]), rounding)
-        )
+        attempts.append(_compared(shot["name"], case, passes, textures, outputs, precision, rounding))
         if attempts[-1].comparison.outside == 0:
             break
     return min(attempts, key=lambda attempt: (attempt.comparison.outside, -attempt.comparison.close))

@@ -11,6 +11,7 @@ import numpy as np
 from PIL import Image
 
 from bokeh_validation import paths, pictures, process
+from bokeh_validation.numerics.precision import SHADER_MODEL_3
 from bokeh_validation.windows import programs, wine
 
 SAMPLES = paths.ROOT / "integration"
@@ -40,7 +41,9 @@ def run(name: str, folder: Path) -> None:
     process.run(owner.command(program, f"Z:{folder}"), RUN_S, SAMPLES / name, owner.environment)
     # the sample itself only sees the graphics card that Wine imitates
     capture = folder / "capture.json"
-    capture.write_text(json.dumps(json.loads(capture.read_text()) | {"device": owner.device}))
+    constants = dict(SHADER_MODEL_3) if name == "direct3d9" else {}
+    data = json.loads(capture.read_text()) | {"device": owner.device, "constants": constants}
+    capture.write_text(json.dumps(data))
     with Image.open(folder / "picture.bmp") as picture:
         pictures.write_png(folder / "picture.png", np.asarray(picture.convert("RGB")))
 

@@ -14,6 +14,8 @@ not say which one is used (Mesa's OpenGL truncates, its Vulkan rounds to nearest
 
 from dataclasses import dataclass
 
+# Constants of `layered` that HLSL's shader model 3 fixes
+SHADER_MODEL_3 = (("BOKEH_LAYER_OUTLINES", 0),)
 COORDINATE_ULPS = 8
 FLOAT_STEP = 2.0**-24
 
