@@ -180,7 +180,7 @@ def _depths(settings: Settings, near: float, far: float, set_kind: float | None)
     flip = "Row 0 of the depth buffer is the top of the picture too."
     yield Mistake("depth is upside down: its v is flipped", flip, settings, depth=np.flipud)
     if settings.method in options.POLYGON_METHODS:
-        signed = "It is negative before the focus, and positive after it (docs/inputs.md)."
+        signed = "It is negative in front of the focus, and positive behind it (docs/inputs.md)."
         for name, alpha in (
             ("the CoC's sign is the other one", "-BokehResult.a"),
             ("the CoC has no sign", "abs(BokehResult.a)"),

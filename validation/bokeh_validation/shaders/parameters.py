@@ -48,7 +48,8 @@ BLOCK = {
         0.0,
         "",
         "what the depth buffer holds: 0 metres, 1 window, 2 reversed, 3 reversed infinite, 4 clip, 5 orthographic, "
-        "6 orthographic reversed, 7 fraction of Far, 8 logarithmic",
+        "6 orthographic reversed, 7 fraction of Far, 8 logarithmic, "
+        "9 metres times opacity, and opacity",
     ),
     "BokehNear": Parameter(0.1, "m", "near plane"),
     "BokehFar": Parameter(1000.0, "m", "far plane"),
