@@ -89,6 +89,8 @@
 //   BOKEH_SIDES              0         0, 4 .. number of sides, instead of BokehSides: `layered` is
 //                                              faster if compilers know it; 0: any number
 //   BOKEH_DEPTH_MULTISAMPLED 0         0, 1    1: depth is multisampled; its first sample is read
+//   BOKEH_HALF_PRECISION     0         0, 1    1: `layered` gathers in half precision, which some
+//                                              mobile GPUs do faster; see [2] for what it needs
 //   BOKEH_MAX_COLOR          65504.0           brighter colours are limited to this, the largest
 //                                              half float; a lower limit removes fireflies
 //
@@ -150,6 +152,9 @@
 #ifndef BOKEH_SIDES
 #define BOKEH_SIDES 0
 #endif
+#ifndef BOKEH_HALF_PRECISION
+#define BOKEH_HALF_PRECISION 0
+#endif
 #ifndef BOKEH_MAX_COLOR
 #define BOKEH_MAX_COLOR 65504.0
 #endif
@@ -207,6 +212,26 @@ precision highp sampler2D;
 #if __VERSION__ < 330
 #error bokeh.glsl needs GLSL 3.30 or later: put '#version 330' first
 #endif
+#endif
+
+// BOKEH_HALF2 and BOKEH_HALF4 hold what `layered` gathers. For half precision in Vulkan, put
+// '#extension GL_EXT_shader_explicit_arithmetic_types_float16 : require' after #version. OpenGL ES
+// needs nothing, and desktop OpenGL has only full precision.
+#if BOKEH_HALF_PRECISION > 0 && defined(VULKAN)
+#define BOKEH_HALF2 f16vec2
+#define BOKEH_HALF4 f16vec4
+#define BOKEH_TO_HALF2 f16vec2
+#define BOKEH_TO_HALF4 f16vec4
+#else
+#if BOKEH_HALF_PRECISION > 0
+#define BOKEH_HALF2 mediump vec2
+#define BOKEH_HALF4 mediump vec4
+#else
+#define BOKEH_HALF2 vec2
+#define BOKEH_HALF4 vec4
+#endif
+#define BOKEH_TO_HALF2 vec2
+#define BOKEH_TO_HALF4 vec4
 #endif
 
 #ifndef BOKEH_DEPTH_MULTISAMPLED

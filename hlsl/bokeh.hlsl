@@ -84,6 +84,8 @@
 //   BOKEH_SIDES              0         0, 4 .. number of sides, instead of BokehSides: `layered` is
 //                                              faster if compilers know it; 0: any number
 //   BOKEH_DEPTH_MULTISAMPLED 0         0, 1    1: depth is multisampled; its first sample is read
+//   BOKEH_HALF_PRECISION     0         0, 1    1: `layered` gathers in half precision, which some
+//                                              mobile GPUs do faster; see [2] for what it needs
 //   BOKEH_MAX_COLOR          65504.0           brighter colours are limited to this, the largest
 //                                              half float; a lower limit removes fireflies
 //
@@ -144,6 +146,9 @@
 #endif
 #ifndef BOKEH_SIDES
 #define BOKEH_SIDES 0
+#endif
+#ifndef BOKEH_HALF_PRECISION
+#define BOKEH_HALF_PRECISION 0
 #endif
 #ifndef BOKEH_MAX_COLOR
 #define BOKEH_MAX_COLOR 65504.0
@@ -219,6 +224,21 @@
 #else
 #define BOKEH_LOOP
 #endif
+
+// BOKEH_HALF2 and BOKEH_HALF4 hold what `layered` gathers. A driver may make a float of
+// min16float; with -enable-16bit-types, DXC makes a half float of it. Slang has half only.
+#if BOKEH_HALF_PRECISION == 0
+#define BOKEH_HALF2 float2
+#define BOKEH_HALF4 float4
+#elif BOKEH_HLSL_SM == 3 || defined(__SLANG__)
+#define BOKEH_HALF2 half2
+#define BOKEH_HALF4 half4
+#else
+#define BOKEH_HALF2 min16float2
+#define BOKEH_HALF4 min16float4
+#endif
+#define BOKEH_TO_HALF2 BOKEH_HALF2
+#define BOKEH_TO_HALF4 BOKEH_HALF4
 
 #ifndef BOKEH_DEPTH_MULTISAMPLED
 #define BOKEH_DEPTH_MULTISAMPLED 0

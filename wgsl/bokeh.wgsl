@@ -85,6 +85,8 @@
 //   BOKEH_SIDES              0         0, 4 .. number of sides, instead of BokehSides: `layered` is
 //                                              faster if compilers know it; 0: any number
 //   BOKEH_DEPTH_MULTISAMPLED 0         0, 1    1: depth is multisampled; its first sample is read
+//   BOKEH_HALF_PRECISION     0         0, 1    1: `layered` gathers in half precision, which some
+//                                              mobile GPUs do faster; see [2] for what it needs
 //   BOKEH_MAX_COLOR          65504.0           brighter colours are limited to this, the largest
 //                                              half float; a lower limit removes fireflies
 //
@@ -104,6 +106,7 @@ override BOKEH_NUM_SAMPLES: i32 = 9;
 override BOKEH_SPACING: f32 = 1.5;
 override BOKEH_VIEWPORT: i32 = 0;
 override BOKEH_SIDES: i32 = 0;
+override BOKEH_HALF_PRECISION: i32 = 0;
 const BOKEH_MAX_COLOR: f32 = 65504.0;
 // metres: BOKEH_MIN_DEPTH replaces zero and negative depth, BOKEH_MAX_DEPTH infinite depth
 const BOKEH_MIN_DEPTH: f32 = 0.000001;
@@ -145,6 +148,13 @@ const BOKEH_TUNED_DENSE_RATIO: f32 = 0.25;
 // type of the engine's depth buffer; texture_depth_2d works too, and for multisampled depth
 // texture_multisampled_2d<f32> or texture_depth_multisampled_2d: the first sample is read
 alias BokehDepthTexture = texture_2d<f32>;
+
+// BokehHalf2 and BokehHalf4 hold what `layered` gathers. For half precision, set
+// BOKEH_HALF_PRECISION to 1, write f16 in place of f32 here, and put 'enable f16;' in the program's
+// first line.
+alias BokehHalf = f32;
+alias BokehHalf2 = vec2<BokehHalf>;
+alias BokehHalf4 = vec4<BokehHalf>;
 
 // Porting: fetches with the filter from mip level 0, without gradients: allowed in loops, branches
 //   coords        texture uv

@@ -1221,8 +1221,8 @@ fn BokehRingBorder(ring: i32, rings: BokehRingLayout) -> f32
 //   inner         where the next ring begins, pixels
 struct BokehGather
 {
-    sum: vec4f,
-    front: vec4f,
+    sum: BokehHalf4,
+    front: BokehHalf4,
     farFound: f32,
     center: vec2f,
     s: f32,
@@ -1232,6 +1232,19 @@ struct BokehGather
     snapping: f32,
     bounds: vec2f,
     inner: f32,
+}
+
+// Layers: converts a texel for the gather
+//   In half precision it limits colours, so that their sum stays a finite half float: the weights
+//   of a ring add up to 1 at most, and a gather has at most six rings and the centre.
+fn BokehHalfTexel(texel: vec4f) -> BokehHalf4
+{
+    var converted: BokehHalf4 = BokehHalf4(texel);
+    if (BOKEH_HALF_PRECISION > 0)
+    {
+        converted = min(converted, BokehHalf4(8000.0, 8000.0, 8000.0, 8000.0));
+    }
+    return converted;
 }
 
 // Layers: gathers one more ring
@@ -1281,11 +1294,11 @@ fn BokehGatherRing(before: BokehGather, MapSamp: texture_2d<f32>, ring: i32, onE
             let offset: vec2f = texel + clamp((place - texel) * (gather.snapping + 1.0) - 0.5 *
                 gather.snapping, zero, one);
             // this sample and the one opposite to it, both at once
-            let pixel: vec4f = BokehFetchAround(MapSamp, gather.center, offset, full,
-                BokehLinearClamp);
-            let other: vec4f = BokehFetchAround(MapSamp, gather.center, -offset, full,
-                BokehLinearClamp);
-            let CoC: vec2f = vec2f(pixel.a, other.a) * full.size.y;
+            let pixel: BokehHalf4 = BokehHalfTexel(BokehFetchAround(MapSamp, gather.center, offset,
+                full, BokehLinearClamp));
+            let other: BokehHalf4 = BokehHalfTexel(BokehFetchAround(MapSamp, gather.center, -offset,
+                full, BokehLinearClamp));
+            let CoC: vec2f = vec2f(f32(pixel.a), f32(other.a)) * full.size.y;
             let isBehind: vec2f = clamp(CoC * 2.0 - 2.0 * gather.s, zero, one) * (1.0 -
                 gather.nearWeight);
             var inverse: vec2f = BokehSpreadInverse(CoC);
@@ -1295,11 +1308,12 @@ fn BokehGatherRing(before: BokehGather, MapSamp: texture_2d<f32>, ring: i32, onE
             let inFar: vec2f = covers * clamp(CoC * gather.slopes.y - 2.0, zero, one);
             covers = covers * (1.0 - clamp(CoC * -gather.slopes.x - 2.0, zero, one)) - inFar;
             gather.farFound += inFar.x + inFar.y;
-            gather.sum += vec4f(pixel.rgb, 1.0) * covers.x;
-            gather.sum += vec4f(other.rgb, 1.0) * covers.y;
-            let inFront: vec2f = covers * clamp(gather.s - 0.5 - CoC, zero, one);
-            gather.front += vec4f(pixel.rgb, 1.0) * inFront.x;
-            gather.front += vec4f(other.rgb, 1.0) * inFront.y;
+            let weights: BokehHalf2 = BokehHalf2(covers);
+            gather.sum += BokehHalf4(pixel.rgb, 1.0) * weights.x;
+            gather.sum += BokehHalf4(other.rgb, 1.0) * weights.y;
+            let inFront: BokehHalf2 = BokehHalf2(covers * clamp(gather.s - 0.5 - CoC, zero, one));
+            gather.front += BokehHalf4(pixel.rgb, 1.0) * inFront.x;
+            gather.front += BokehHalf4(other.rgb, 1.0) * inFront.y;
         }
         corner += alongEdge;
         direction = BokehRotated(direction, turn);
@@ -1470,8 +1484,8 @@ fn BokehComposite(MapSamp: texture_2d<f32>, GatherTilesSamp: texture_2d<f32>,
         // pixels of the far layer are replaced by that layer: a single one of them would be a
         // bright dot
         gather.farFound = weight * farWeight;
-        gather.sum = vec4f(centerPixel.rgb, 1.0) * (weight - gather.farFound);
-        gather.front = vec4f(0.0, 0.0, 0.0, 0.0);
+        gather.sum = BokehHalfTexel(vec4f(centerPixel.rgb, 1.0) * (weight - gather.farFound));
+        gather.front = BokehHalf4(0.0, 0.0, 0.0, 0.0);
         // the wider a layer's blur here, the closer samples move to the nearest texel: between a
         // near light and the surface behind it, the linear filter would find a light in focus
         gather.snapping = max(tile.r, tile.g - 16.0);
@@ -1551,16 +1565,17 @@ fn BokehComposite(MapSamp: texture_2d<f32>, GatherTilesSamp: texture_2d<f32>,
             farLayer = vec4f(farColor * farLayer.a, farLayer.a);
         }
         // at pixels of a layer, the layer itself is added below
-        let sum: vec4f = gather.sum + farLayer * (gather.farFound * (1.0 - max(farWeight,
+        let sum: vec4f = vec4f(gather.sum) + farLayer * (gather.farFound * (1.0 - max(farWeight,
             nearWeight)) / max(farLayer.a, 0.001));
         let plain: vec4f = sum + farLayer * farWeight;
+        let front: vec4f = vec4f(gather.front);
         if (plain.a >= 0.001)
         {
             // the weight of what is in front is its coverage; the rest shows through what is left
-            let rest: f32 = plain.a - gather.front.a;
-            let open: f32 = clamp(1.0 - gather.front.a, 0.0, 1.0) / max(rest, 0.1);
-            result = (gather.front.rgb + (plain.rgb - gather.front.rgb) * open) / (gather.front.a +
-                rest * open);
+            let rest: f32 = plain.a - front.a;
+            let open: f32 = clamp(1.0 - front.a, 0.0, 1.0) / max(rest, 0.1);
+            result = (front.rgb + (plain.rgb - front.rgb) * open) / (front.a + rest *
+                open);
         }
         outline *= clamp(4.0 * farLayer.a, 0.0, 1.0);
         if (BOKEH_LAYER_OUTLINES > 0 && outline > 0.0)

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
  * Files that the tests of this repository read: not part of the effect, leave it out of your program.
- * validation/bokeh_validation/engines/capture.py describes them.
+ * validation/engines/capture.py describes them.
  */
 #ifndef CAPTURE_H
 #define CAPTURE_H

@@ -184,7 +184,7 @@ float ratio=brightest.z/brightness;
 float dark=clamp((ratio-4.)/(8. -4.),0.,1.);
 float overDarkest=1./max(darkest,.0000001);
 float rim=clamp((brightness*overDarkest-1.3) /
-(1.5-1.3),0.,1.) *clamp(10.*ratio-10.,0.,1.);
+(1.5-1.3),0.,1.)*clamp(10.*ratio-10.,0.,1.);
 float light=clamp(brightest.z*overDarkest/64.-1.,0.,1.);
 return vec4(brightest.xy,dark,rim+rim*light);}
 vec4 BokehBrightNeighbor(BOKEH_TEXTURE ColorSamp,vec2 uv,vec2 imageSize){
@@ -278,7 +278,7 @@ polygon.mean=vec2(0.,.5*cos(halfStep)*cos(halfStep)/(edge*(.5*float(sides) -1.))
 polygon.area=.25*float(sides)*edge*cos(halfStep);
 return polygon;}
 vec2 BokehRotated(vec2 direction,vec2 axis){
-return vec2(direction.x*axis.x-direction.y*axis.y,direction.x*axis.y+direction.y *axis.x);}
+return vec2(direction.x*axis.x-direction.y*axis.y,direction.x*axis.y+direction.y*axis.x);}
 vec2 BokehTurn(float k,BokehPolygon polygon){
 float angle=6.28318531/float(polygon.sides)*k;
 return vec2(cos(angle),sin(angle));}
@@ -764,12 +764,12 @@ for(int x=0;x<4;x++){
 vec2 offset=vec2(float(x)-1.5,float(y)-1.5);
 if((abs(offset.x)-abs(offset.y))*offset.x*offset.y>.5){
 vec4 pixel=BokehFetchGrid(MapSamp,middle+offset,full);
-around=BokehSurroundings(around,pixel,BokehLayerWeight(-pixel.a *full.size.y,nearSlope),maxNearWeight);}}}
+around=BokehSurroundings(around,pixel,BokehLayerWeight(-pixel.a*full.size.y,nearSlope),maxNearWeight);}}}
 a=BokehNearPixel(a,nearWeights.x,around);
 b=BokehNearPixel(b,nearWeights.y,around);
 c=BokehNearPixel(c,nearWeights.z,around);
 d=BokehNearPixel(d,nearWeights.w,around);
-nearSum=vec4(a.rgb,1.)*a.a+vec4(b.rgb,1.)*b.a+vec4(c.rgb,1.)*c.a +vec4(d.rgb,1.)*d.a;
+nearSum=vec4(a.rgb,1.)*a.a+vec4(b.rgb,1.)*b.a+vec4(c.rgb,1.)*c.a+vec4(d.rgb,1.)*d.a;
 weights=vec4(a.a,b.a,c.a,d.a)*BokehBlurWeights(a,b,c,d,inverseBrightness,maxWeight);
 sums=vec4(-dot(weights,s)/8.,dot(weights,one),sums.z,sums.w);}
 BokehPrefiltered targets;
@@ -898,7 +898,7 @@ for(int y=0;y<3;y++){
 for(int x=0;x<3;x++){
 vec2 offset=vec2(float(x)-1.,float(y)-1.);
 vec2 weight=1.-(1.-side)*abs(offset);
-sum+=BokehFetchGrid(LayerSamp,center+2.*offset,grid)*(weight.x *weight.y);}}
+sum+=BokehFetchGrid(LayerSamp,center+2.*offset,grid)*(weight.x*weight.y);}}
 sum=sum/((1.+2.*side)*(1.+2.*side));}
 else{
 sum=BokehFetchGrid(LayerSamp,center,grid);}
@@ -946,7 +946,7 @@ return BokehRotated(vec2(-outwards.y,outwards.x),polygon.axis);}
 int BokehSamplesPerEdge(int ring,BokehPolygon polygon){
 return int(max(6.*float(ring)/float(polygon.sides)+.5,1.));}
 vec2 BokehHoleWeights(vec4 middle,vec4 far,float inverseBrightness){
-return vec2(middle.a+BokehBrightest(middle.rgb)*inverseBrightness,far.a +BokehBrightest(far.rgb)*inverseBrightness);}
+return vec2(middle.a+BokehBrightest(middle.rgb)*inverseBrightness,far.a+BokehBrightest(far.rgb)*inverseBrightness);}
 struct BokehFilled{
 vec4 midFill;
 vec4 farFill;
@@ -1000,7 +1000,7 @@ vec4 segment=BokehEdgeLine(k,polygon,secondPass)*blur.CoC;
 float samples=max(2.*length(segment.zw)/blur.spacing,2.);
 float phase=.5+layers.jitter*min(blur.spacing-1.,1.);
 BokehGrid layerGrid=BokehLayerGrid(layers);
-vec2 first=(layers.uv*layerGrid.size+segment.xy-segment.zw) *(float(BOKEH_LAYER_SCALE)/scale);
+vec2 first=(layers.uv*layerGrid.size+segment.xy-segment.zw)*(float(BOKEH_LAYER_SCALE)/scale);
 vec2 sampleStep=segment.zw*(2.*float(BOKEH_LAYER_SCALE)/(scale*samples));
 vec4 sum=vec4(0.,0.,0.,0.);
 for(int i=0;i<int(ceil(samples));i++){
@@ -1105,7 +1105,7 @@ vec4 r=BokehFetchGrid(LayerSamp,vec2(texel.x+2.,inner.y),grid);
 vec4 t=BokehFetchGrid(LayerSamp,vec2(inner.x,texel.y-1.),grid);
 vec4 b=BokehFetchGrid(LayerSamp,vec2(inner.x,texel.y+2.),grid);
 vec2 side=w12.yx/(w12.x*w12.y+(w0.x+w3.x)*w12.y+(w0.y+w3.y)*w12.x);
-vec4 sum=c*(w12.x*side.x)+l*(w0.x*side.x)+r*(w3.x*side.x)+t*(w0.y *side.y)+b*(w3.y*side.y);
+vec4 sum=c*(w12.x*side.x)+l*(w0.x*side.x)+r*(w3.x*side.x)+t*(w0.y*side.y)+b*(w3.y*side.y);
 result=clamp(sum,min(min(c,min(l,r)),min(t,b)),max(max(c,max(l,r)),max(t,b)));}
 else{
 result=BokehFetchGrid(LayerSamp,place,grid);}
@@ -1120,7 +1120,7 @@ float narrowing;
 };
 float BokehRingBorder(int ring,BokehRingLayout rings){
 float even=rings.spacing*(float(ring)+.5);
-return max(even+even*(even/rings.radius-1.)*rings.narrowing,min(even,float(ring) +.5));}
+return max(even+even*(even/rings.radius-1.)*rings.narrowing,min(even,float(ring)+.5));}
 struct BokehGather{
 vec4 sum;
 vec4 front;
@@ -1159,10 +1159,10 @@ for(int i=0;i<onEdge;i++){
 vec2 upright=corner+along*(float(i)+phase);
 vec2 place=right*upright.x+upwards*upright.y;
 vec2 texel=floor(place);
-vec2 offset=texel+clamp((place-texel)*(gather.snapping+1.)-.5 *gather.snapping,zero,one);
-vec4 pixel=BokehFetchAround(MapSamp,gather.center,offset,full);
-vec4 other=BokehFetchAround(MapSamp,gather.center,-offset,full);
-vec2 CoC=vec2(pixel.a,other.a)*full.size.y;
+vec2 offset=texel+clamp((place-texel)*(gather.snapping+1.)-.5*gather.snapping,zero,one);
+vec4 pixel=(BokehFetchAround(MapSamp,gather.center,offset,full));
+vec4 other=(BokehFetchAround(MapSamp,gather.center,-offset,full));
+vec2 CoC=vec2(float(pixel.a),float(other.a))*full.size.y;
 vec2 isBehind=clamp(CoC*2.-2.*gather.s,zero,one)*(1. -gather.nearWeight);
 vec2 inverse=BokehSpreadInverse(CoC);
 inverse+=(gather.inverse-inverse)*isBehind;
@@ -1171,9 +1171,10 @@ vec2 covers=cell*max(min(1.-innerSquare*inverse,area*inverse),zero);
 vec2 inFar=covers*clamp(CoC*gather.slopes.y-2.,zero,one);
 covers=covers*(1.-clamp(CoC * -gather.slopes.x-2.,zero,one))-inFar;
 gather.farFound+=inFar.x+inFar.y;
-gather.sum+=vec4(pixel.rgb,1.)*covers.x;
-gather.sum+=vec4(other.rgb,1.)*covers.y;
-vec2 inFront=covers*clamp(gather.s-.5-CoC,zero,one);
+vec2 weights=vec2(covers);
+gather.sum+=vec4(pixel.rgb,1.)*weights.x;
+gather.sum+=vec4(other.rgb,1.)*weights.y;
+vec2 inFront=vec2(covers*clamp(gather.s-.5-CoC,zero,one));
 gather.front+=vec4(pixel.rgb,1.)*inFront.x;
 gather.front+=vec4(other.rgb,1.)*inFront.y;}
 corner+=alongEdge;
@@ -1206,7 +1207,7 @@ side=vec2(0.,1.);}
 vec3 behind=background.rgb/max(background.a,.000001);
 vec3 contrast=object.rgb/max(object.a,.000001)-behind;
 vec3 ownContrast=pixel.rgb-behind;
-float square=max(dot(contrast,contrast),.001*dot(pixel.rgb,pixel.rgb) +.000000000001);
+float square=max(dot(contrast,contrast),.001*dot(pixel.rgb,pixel.rgb)+.000000000001);
 float covered=clamp(dot(ownContrast,contrast)/square,0.,1.);
 vec3 other=ownContrast-contrast*covered;
 float isMixed=clamp(2.-8.*dot(other,other)/square,0.,1.)*min(16.*covered,1.);
@@ -1244,7 +1245,7 @@ float layerReach=max(tile.g,tile.r+(10. -6.));
 float denseRings=float(BOKEH_LAYER_RINGS);
 if(layerReach<=14.-4.*float(BOKEH_LAYER_CUBIC)){
 denseRings+=1.;}
-float outline=clamp(2.-abs(s),0.,1.)*clamp(layerReach-14.+4. *float(BOKEH_LAYER_CUBIC),0.,1.)*clamp(max(2.*3. *denseRings,1.)-2.*radius,0.,1.);
+float outline=clamp(2.-abs(s),0.,1.)*clamp(layerReach-14.+4.*float(BOKEH_LAYER_CUBIC),0.,1.)*clamp(max(2.*3.*denseRings,1.)-2.*radius,0.,1.);
 float rings=denseRings;
 if(max(nearWeight,farWeight*tile.r*float(BOKEH_LAYER_RINGS-1))<=0.){
 rings=max(rings,min(radius/3.,float(BOKEH_LAYER_RINGS)+1.));}
@@ -1255,7 +1256,7 @@ gather.inner=radius;}
 gather.bounds=1./vec2(radius*radius,gather.inner*gather.inner);
 float weight=(1.-nearWeight)*min(gather.inverse/gather.bounds.y,1.);
 gather.farFound=weight*farWeight;
-gather.sum=vec4(centerPixel.rgb,1.)*(weight-gather.farFound);
+gather.sum=(vec4(centerPixel.rgb,1.)*(weight-gather.farFound));
 gather.front=vec4(0.,0.,0.,0.);
 gather.snapping=max(tile.r,tile.g-16.);
 float lastInner=radius;
@@ -1292,13 +1293,13 @@ vec4 farFill=BokehFetchGrid(FarFillSamp,.25*center,quarters);
 float missing=clamp(1.-2.*farLayer.a,0.,1.)*behindNear;
 farColor+=(farFill.rgb-farColor)*missing;
 farLayer=vec4(farColor*farLayer.a,farLayer.a);}
-vec4 sum=gather.sum+farLayer*(gather.farFound*(1.-max(farWeight,nearWeight)) /
-max(farLayer.a,.001));
+vec4 sum=vec4(gather.sum)+farLayer*(gather.farFound*(1.-max(farWeight,nearWeight))/max(farLayer.a,.001));
 vec4 plain=sum+farLayer*farWeight;
+vec4 front=vec4(gather.front);
 if(plain.a>=.001){
-float rest=plain.a-gather.front.a;
-float open=clamp(1.-gather.front.a,0.,1.)/max(rest,.1);
-result=(gather.front.rgb+(plain.rgb-gather.front.rgb)*open)/(gather.front.a +rest*open);}
+float rest=plain.a-front.a;
+float open=clamp(1.-front.a,0.,1.)/max(rest,.1);
+result=(front.rgb+(plain.rgb-front.rgb)*open)/(front.a+rest*open);}
 outline*=clamp(4.*farLayer.a,0.,1.);
 if(BOKEH_LAYER_OUTLINES>0&&outline>0.){
 vec3 change=BokehOutline(MapSamp,center,centerPixel,farColor,gather.slopes.y,layers);
@@ -1519,7 +1520,7 @@ let ratio=brightest.z/brightness;
 let dark=clamp((ratio-4.)/(8. -4.),0.,1.);
 let overDarkest=1./max(darkest,.0000001);
 let rim=clamp((brightness*overDarkest-1.3) /
-(1.5-1.3),0.,1.) *clamp(10.*ratio-10.,0.,1.);
+(1.5-1.3),0.,1.)*clamp(10.*ratio-10.,0.,1.);
 let light=clamp(brightest.z*overDarkest/64.-1.,0.,1.);
 return vec4f(brightest.xy,dark,rim+rim*light);}
 fn BokehBrightNeighbor(ColorSamp:texture_2d<f32>,uv:vec2f,imageSize:vec2f)->vec4f{
@@ -1595,7 +1596,7 @@ polygon.mean=vec2f(0.,.5*cos(halfStep)*cos(halfStep)/(edge*(.5*f32(sides) -1.)))
 polygon.area=.25*f32(sides)*edge*cos(halfStep);
 return polygon;}
 fn BokehRotated(direction:vec2f,axis:vec2f)->vec2f{
-return vec2f(direction.x*axis.x-direction.y*axis.y,direction.x*axis.y+direction.y *axis.x);}
+return vec2f(direction.x*axis.x-direction.y*axis.y,direction.x*axis.y+direction.y*axis.x);}
 fn BokehTurn(k:f32,polygon:BokehPolygon)->vec2f{
 let angle=6.28318531/f32(polygon.sides)*k;
 return vec2f(cos(angle),sin(angle));}
@@ -1696,7 +1697,7 @@ result.reached=reached;
 return result;}
 fn BokehExactTarget(k:i32,polygon:BokehPolygon,rays:bool,L1:BokehLine,L2:BokehLine,L3:BokehLine,L4:BokehLine,centerPixel:vec4f)->vec4f{
 let weights=BokehEdgeWeights(k,polygon);
-let sum=L1.sum*weights.x+L2.sum*weights.y+L3.sum*weights.z+L4.sum *weights.w;
+let sum=L1.sum*weights.x+L2.sum*weights.y+L3.sum*weights.z+L4.sum*weights.w;
 var result=BokehResolved(sum,centerPixel);
 let gathered=sum.r+sum.g+sum.b;
 if(rays&&centerPixel.a>0.&&gathered>0.){
@@ -1988,7 +1989,7 @@ var d=BokehFetchGrid(MapSamp,middle+vec2f(.5,.5),full,BokehLinearClamp);
 let s=vec4f(a.a,b.a,c.a,d.a)*full.size.y;
 let nearWeights=BokehLayerWeights(-s,nearSlope);
 let farWeights=BokehLayerWeights(s,farSlope);
-let farSum=vec4f(a.rgb,1.)*farWeights.x+vec4f(b.rgb,1.)*farWeights.y +vec4f(c.rgb,1.)*farWeights.z+vec4f(d.rgb,1.)*farWeights.w;
+let farSum=vec4f(a.rgb,1.)*farWeights.x+vec4f(b.rgb,1.)*farWeights.y+vec4f(c.rgb,1.)*farWeights.z+vec4f(d.rgb,1.)*farWeights.w;
 var weights=farWeights*BokehBlurWeights(a,b,c,d,inverseBrightness,maxWeight);
 let one=vec4f(1.,1.,1.,1.);
 var sums=vec4f(0.,0.,dot(weights,s)/8.,dot(weights,one));
@@ -2008,12 +2009,12 @@ for(var x=0;x<4;x++){
 let offset=vec2f(f32(x)-1.5,f32(y)-1.5);
 if((abs(offset.x)-abs(offset.y))*offset.x*offset.y>.5){
 let pixel=BokehFetchGrid(MapSamp,middle+offset,full,BokehLinearClamp);
-around=BokehSurroundings(around,pixel,BokehLayerWeight(-pixel.a *full.size.y,nearSlope),maxNearWeight);}}}
+around=BokehSurroundings(around,pixel,BokehLayerWeight(-pixel.a*full.size.y,nearSlope),maxNearWeight);}}}
 a=BokehNearPixel(a,nearWeights.x,around);
 b=BokehNearPixel(b,nearWeights.y,around);
 c=BokehNearPixel(c,nearWeights.z,around);
 d=BokehNearPixel(d,nearWeights.w,around);
-nearSum=vec4f(a.rgb,1.)*a.a+vec4f(b.rgb,1.)*b.a+vec4f(c.rgb,1.)*c.a +vec4f(d.rgb,1.)*d.a;
+nearSum=vec4f(a.rgb,1.)*a.a+vec4f(b.rgb,1.)*b.a+vec4f(c.rgb,1.)*c.a+vec4f(d.rgb,1.)*d.a;
 weights=vec4f(a.a,b.a,c.a,d.a)*BokehBlurWeights(a,b,c,d,inverseBrightness,maxWeight);
 sums=vec4f(-dot(weights,s)/8.,dot(weights,one),sums.z,sums.w);}
 var targets:BokehPrefiltered;
@@ -2134,7 +2135,7 @@ for(var y=0;y<3;y++){
 for(var x=0;x<3;x++){
 let offset=vec2f(f32(x)-1.,f32(y)-1.);
 let weight=1.-(1.-side)*abs(offset);
-sum+=BokehFetchGrid(LayerSamp,center+2.*offset,grid,BokehLinearClamp) *(weight.x*weight.y);}}
+sum+=BokehFetchGrid(LayerSamp,center+2.*offset,grid,BokehLinearClamp)*(weight.x*weight.y);}}
 sum=sum/((1.+2.*side)*(1.+2.*side));}
 else{
 sum=BokehFetchGrid(LayerSamp,center,grid,BokehLinearClamp);}
@@ -2178,7 +2179,7 @@ return BokehRotated(vec2f(-outwards.y,outwards.x),polygon.axis);}
 fn BokehSamplesPerEdge(ring:i32,polygon:BokehPolygon)->i32{
 return i32(max(6.*f32(ring)/f32(polygon.sides)+.5,1.));}
 fn BokehHoleWeights(middle:vec4f,far:vec4f,inverseBrightness:f32)->vec2f{
-return vec2f(middle.a+BokehBrightest(middle.rgb)*inverseBrightness,far.a +BokehBrightest(far.rgb)*inverseBrightness);}
+return vec2f(middle.a+BokehBrightest(middle.rgb)*inverseBrightness,far.a+BokehBrightest(far.rgb)*inverseBrightness);}
 struct BokehFilled{
 midFill:vec4f,farFill:vec4f,}
 fn BokehHoleFill(MidSamp:texture_2d<f32>,FarSamp:texture_2d<f32>,DilatedTilesSamp:texture_2d<f32>,polygon:BokehPolygon,layers:BokehLayerContext,BokehLinearClamp:sampler)->BokehFilled{
@@ -2230,7 +2231,7 @@ let segment=BokehEdgeLine(k,polygon,secondPass)*blur.CoC;
 let samples=max(2.*length(segment.zw)/blur.spacing,2.);
 let phase=.5+layers.jitter*min(blur.spacing-1.,1.);
 let layerGrid=BokehLayerGrid(layers);
-let first=(layers.uv*layerGrid.size+segment.xy-segment.zw) *(f32(BOKEH_LAYER_SCALE)/scale);
+let first=(layers.uv*layerGrid.size+segment.xy-segment.zw)*(f32(BOKEH_LAYER_SCALE)/scale);
 let sampleStep=segment.zw*(2.*f32(BOKEH_LAYER_SCALE)/(scale*samples));
 var sum=vec4f(0.,0.,0.,0.);
 for(var i=0;i<i32(ceil(samples));i++){
@@ -2329,7 +2330,7 @@ let r=BokehFetchGrid(LayerSamp,vec2f(texel.x+2.,inner.y),grid,BokehLinearClamp);
 let t=BokehFetchGrid(LayerSamp,vec2f(inner.x,texel.y-1.),grid,BokehLinearClamp);
 let b=BokehFetchGrid(LayerSamp,vec2f(inner.x,texel.y+2.),grid,BokehLinearClamp);
 let side=w12.yx/(w12.x*w12.y+(w0.x+w3.x)*w12.y+(w0.y+w3.y)*w12.x);
-let sum=c*(w12.x*side.x)+l*(w0.x*side.x)+r*(w3.x*side.x)+t *(w0.y*side.y)+b*(w3.y*side.y);
+let sum=c*(w12.x*side.x)+l*(w0.x*side.x)+r*(w3.x*side.x)+t*(w0.y*side.y)+b*(w3.y*side.y);
 result=clamp(sum,min(min(c,min(l,r)),min(t,b)),max(max(c,max(l,r)),max(t,b)));}
 else{
 result=BokehFetchGrid(LayerSamp,place,grid,BokehLinearClamp);}
@@ -2341,7 +2342,7 @@ struct BokehRingLayout{
 radius:f32,spacing:f32,narrowing:f32,}
 fn BokehRingBorder(ring:i32,rings:BokehRingLayout)->f32{
 let even=rings.spacing*(f32(ring)+.5);
-return max(even+even*(even/rings.radius-1.)*rings.narrowing,min(even,f32(ring) +.5));}
+return max(even+even*(even/rings.radius-1.)*rings.narrowing,min(even,f32(ring)+.5));}
 struct BokehGather{
 sum:vec4f,front:vec4f,farFound:f32,center:vec2f,s:f32,inverse:f32,nearWeight:f32,slopes:vec2f,snapping:f32,bounds:vec2f,inner:f32,}
 fn BokehGatherRing(before:BokehGather,MapSamp:texture_2d<f32>,ring:i32,onEdge:i32,outer:f32,polygon:BokehPolygon,layers:BokehLayerContext,BokehLinearClamp:sampler)->BokehGather{
@@ -2369,10 +2370,10 @@ for(var i=0;i<onEdge;i++){
 let upright=corner+along*(f32(i)+phase);
 let place=right*upright.x+upwards*upright.y;
 let texel=floor(place);
-let offset=texel+clamp((place-texel)*(gather.snapping+1.)-.5 *gather.snapping,zero,one);
-let pixel=BokehFetchAround(MapSamp,gather.center,offset,full,BokehLinearClamp);
-let other=BokehFetchAround(MapSamp,gather.center,-offset,full,BokehLinearClamp);
-let CoC=vec2f(pixel.a,other.a)*full.size.y;
+let offset=texel+clamp((place-texel)*(gather.snapping+1.)-.5*gather.snapping,zero,one);
+let pixel=(BokehFetchAround(MapSamp,gather.center,offset,full,BokehLinearClamp));
+let other=(BokehFetchAround(MapSamp,gather.center,-offset,full,BokehLinearClamp));
+let CoC=vec2f(f32(pixel.a),f32(other.a))*full.size.y;
 let isBehind=clamp(CoC*2.-2.*gather.s,zero,one)*(1. -gather.nearWeight);
 var inverse=BokehSpreadInverse(CoC);
 inverse+=(gather.inverse-inverse)*isBehind;
@@ -2381,9 +2382,10 @@ var covers=cell*max(min(1.-innerSquare*inverse,area*inverse),zero);
 let inFar=covers*clamp(CoC*gather.slopes.y-2.,zero,one);
 covers=covers*(1.-clamp(CoC * -gather.slopes.x-2.,zero,one))-inFar;
 gather.farFound+=inFar.x+inFar.y;
-gather.sum+=vec4f(pixel.rgb,1.)*covers.x;
-gather.sum+=vec4f(other.rgb,1.)*covers.y;
-let inFront=covers*clamp(gather.s-.5-CoC,zero,one);
+let weights=vec2f(covers);
+gather.sum+=vec4f(pixel.rgb,1.)*weights.x;
+gather.sum+=vec4f(other.rgb,1.)*weights.y;
+let inFront=vec2f(covers*clamp(gather.s-.5-CoC,zero,one));
 gather.front+=vec4f(pixel.rgb,1.)*inFront.x;
 gather.front+=vec4f(other.rgb,1.)*inFront.y;}
 corner+=alongEdge;
@@ -2416,7 +2418,7 @@ side=vec2f(0.,1.);}
 let behind=background.rgb/max(background.a,.000001);
 let contrast=object.rgb/max(object.a,.000001)-behind;
 let ownContrast=pixel.rgb-behind;
-let square=max(dot(contrast,contrast),.001*dot(pixel.rgb,pixel.rgb) +.000000000001);
+let square=max(dot(contrast,contrast),.001*dot(pixel.rgb,pixel.rgb)+.000000000001);
 let covered=clamp(dot(ownContrast,contrast)/square,0.,1.);
 let other=ownContrast-contrast*covered;
 var isMixed=clamp(2.-8.*dot(other,other)/square,0.,1.)*min(16.*covered,1.);
@@ -2454,7 +2456,7 @@ let layerReach=max(tile.g,tile.r+(10. -6.));
 var denseRings=f32(BOKEH_LAYER_RINGS);
 if(layerReach<=14.-4.*f32(BOKEH_LAYER_CUBIC)){
 denseRings+=1.;}
-var outline=clamp(2.-abs(s),0.,1.)*clamp(layerReach-14.+4. *f32(BOKEH_LAYER_CUBIC),0.,1.)*clamp(max(2.*3. *denseRings,1.)-2.*radius,0.,1.);
+var outline=clamp(2.-abs(s),0.,1.)*clamp(layerReach-14.+4.*f32(BOKEH_LAYER_CUBIC),0.,1.)*clamp(max(2.*3.*denseRings,1.)-2.*radius,0.,1.);
 var rings=denseRings;
 if(max(nearWeight,farWeight*tile.r*f32(BOKEH_LAYER_RINGS-1))<=0.){
 rings=max(rings,min(radius/3.,f32(BOKEH_LAYER_RINGS)+1.));}
@@ -2465,7 +2467,7 @@ gather.inner=radius;}
 gather.bounds=1./vec2f(radius*radius,gather.inner*gather.inner);
 let weight=(1.-nearWeight)*min(gather.inverse/gather.bounds.y,1.);
 gather.farFound=weight*farWeight;
-gather.sum=vec4f(centerPixel.rgb,1.)*(weight-gather.farFound);
+gather.sum=(vec4f(centerPixel.rgb,1.)*(weight-gather.farFound));
 gather.front=vec4f(0.,0.,0.,0.);
 gather.snapping=max(tile.r,tile.g-16.);
 var lastInner=radius;
@@ -2502,12 +2504,13 @@ let farFill=BokehFetchGrid(FarFillSamp,.25*center,quarters,BokehLinearClamp);
 let missing=clamp(1.-2.*farLayer.a,0.,1.)*behindNear;
 farColor+=(farFill.rgb-farColor)*missing;
 farLayer=vec4f(farColor*farLayer.a,farLayer.a);}
-let sum=gather.sum+farLayer*(gather.farFound*(1.-max(farWeight,nearWeight))/max(farLayer.a,.001));
+let sum=vec4f(gather.sum)+farLayer*(gather.farFound*(1.-max(farWeight,nearWeight))/max(farLayer.a,.001));
 let plain=sum+farLayer*farWeight;
+let front=vec4f(gather.front);
 if(plain.a>=.001){
-let rest=plain.a-gather.front.a;
-let open=clamp(1.-gather.front.a,0.,1.)/max(rest,.1);
-result=(gather.front.rgb+(plain.rgb-gather.front.rgb)*open)/(gather.front.a +rest*open);}
+let rest=plain.a-front.a;
+let open=clamp(1.-front.a,0.,1.)/max(rest,.1);
+result=(front.rgb+(plain.rgb-front.rgb)*open)/(front.a+rest*open);}
 outline*=clamp(4.*farLayer.a,0.,1.);
 if(BOKEH_LAYER_OUTLINES>0&&outline>0.){
 let change=BokehOutline(MapSamp,center,centerPixel,farColor,gather.slopes.y,layers,BokehLinearClamp);

@@ -14,7 +14,8 @@ from bokeh_validation import __version__, terminal
 from bokeh_validation.errors import Unavailable, UserError
 from bokeh_validation.process import end_programs
 
-# Name of a command -> the module with its function. The lab's modules are named only here: the core runs without them.
+# Name of a command -> the module with its function. The modules of the lab and of the samples are named only here: the
+# core runs without them.
 COMMANDS = {
     "doctor": "bokeh_validation.doctor",
     "compile": "bokeh_validation.run.commands",
@@ -26,7 +27,7 @@ COMMANDS = {
     "probes": "bokeh_validation.run.commands",
     "parity": "bokeh_validation.shaders.parity",
     "generate": "bokeh_validation.generate",
-    "engines": "bokeh_validation.run.commands",
+    "engines": "engines.engines_command",
     "demo": "lab.demo",
     "truth": "lab.truth_command",
     "pictures": "lab.documents.pictures_command",
@@ -80,7 +81,9 @@ def default(
     elif context.invoked_subcommand is None:
         from bokeh_validation.run import validate
 
-        validate.validate(full, adapter, output)
+        # only the full run needs the samples
+        samples = importlib.import_module("engines").QUICK if full else ()
+        validate.validate(full, adapter, output, samples)
 
 
 def main() -> None:

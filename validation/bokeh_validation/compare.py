@@ -91,17 +91,19 @@ def mistakes(settings: Settings, near: float, far: float, read: float | None = N
     near, far  distances of the camera's near and far planes, metres
     read       the BokehDepthKind that the engine sets, or None if unknown
     """
-    flip = "Row 0 of every texture is the top of the picture: turn v round once, at the end (docs/troubleshooting.md)."
+    flip = "Row 0 of every texture must be the top of the image. Flip v once, at the end (docs/troubleshooting.md)."
     yield Mistake("the result is upside down: v is flipped", flip, settings, result=np.flipud)
-    linear = "Blur linear light, before tone mapping, and write the EXR from the target as it is."
+    linear = "Blur linear light, before tone mapping, and write the unchanged target to the EXR."
     yield Mistake("the result is sRGB, not linear", linear, settings, result=to_srgb)
     yield Mistake("the colour that was blurred is sRGB, not linear", linear, settings, color=to_srgb)
     if settings.rotation:
         turned = replace(settings, rotation=-settings.rotation)
-        yield Mistake("the rotation's sign is the other one", "Angles go from +x towards +y, which is down.", turned)
-    filtered = "Every texture but depth needs a sampler with a linear filter, clamped."
+        yield Mistake(
+            "the rotation's sign is wrong", "A positive angle turns from +x towards +y, which points down.", turned
+        )
+    filtered = "Every texture except depth needs a clamped sampler with a linear filter."
     yield Mistake(
-        "a texture is read by its nearest texel", filtered, settings, passes=_unfiltered, drivers=GLSL_DRIVERS
+        "a texture is read without a linear filter", filtered, settings, passes=_unfiltered, drivers=GLSL_DRIVERS
     )
     yield from _others(settings)
     yield from _presets(settings)
@@ -133,11 +135,11 @@ def _others(settings: Settings) -> Iterator[Mistake]:
     for name in ("layered", "exact", "paper"):
         other = replace(settings, method=name, samples=None, spacing=None)
         if name != settings.method and (name == "paper" or settings.aperture in methods.EXACT):
-            yield Mistake(f"it is {name}", f"If that is meant, compare with --method {name}.", other)
+            yield Mistake(f"the method is {name}", f"If you want {name}, compare with --method {name}.", other)
     for name in methods.EXACT:
         if name != settings.aperture:
-            advice = f"If that is meant, compare with --aperture {name}; or BokehSides or the entries are another's."
-            yield Mistake(f"the polygon is of another kind: {name}", advice, replace(settings, aperture=name))
+            advice = f"If you want it, compare with --aperture {name}; else check BokehSides and the entry points."
+            yield Mistake(f"the polygon's shape is {name}", advice, replace(settings, aperture=name))
 
 
 def _lenses(settings: Settings) -> Iterator[Mistake]:
@@ -151,7 +153,7 @@ def _lenses(settings: Settings) -> Iterator[Mistake]:
             lens = replace(settings, camera=replace(camera, focal_length=length))
             yield Mistake(f"the focal length is {length:g} m", advice, lens)
     wide = replace(settings, camera=replace(camera, sensor_height=1.5 * camera.sensor_height))
-    yield Mistake("the sensor's width is taken for its height", "BokehSensorHeight is 0.024 m of a full frame.", wide)
+    yield Mistake("BokehSensorHeight is the sensor's width", "The height of a full-frame sensor is 0.024 m.", wide)
 
 
 def _presets(settings: Settings) -> Iterator[Mistake]:
@@ -167,7 +169,7 @@ def _presets(settings: Settings) -> Iterator[Mistake]:
             other = replace(settings, preset=name, samples=None, spacing=None)
             option_text = f"--preset {name}"
         if other != settings:
-            yield Mistake(f"it is preset {name.upper()}", f"If that is meant, compare with {option_text}.", other)
+            yield Mistake(f"the preset is {name.upper()}", f"If you want it, compare with {option_text}.", other)
 
 
 def _depths(settings: Settings, near: float, far: float, set_kind: float | None) -> Iterator[Mistake]:
@@ -177,12 +179,12 @@ def _depths(settings: Settings, near: float, far: float, set_kind: float | None)
         inside = np.clip(depth.astype(np.float64), near, far)
         return linear_depth(stored_depth(inside, stored_kind, near, far), read_kind, near, far)
 
-    flip = "Row 0 of the depth buffer is the top of the picture too."
-    yield Mistake("depth is upside down: its v is flipped", flip, settings, depth=np.flipud)
+    flip = "Row 0 of the depth buffer must be the top of the image too."
+    yield Mistake("the depth is upside down: its v is flipped", flip, settings, depth=np.flipud)
     if settings.method in options.POLYGON_METHODS:
-        signed = "It is negative in front of the focus, and positive behind it (docs/inputs.md)."
+        signed = "The CoC is negative in front of the focus, and positive behind it (docs/inputs.md)."
         for name, alpha in (
-            ("the CoC's sign is the other one", "-BokehResult.a"),
+            ("the CoC's sign is wrong", "-BokehResult.a"),
             ("the CoC has no sign", "abs(BokehResult.a)"),
         ):
             yield Mistake(name, signed, settings, passes=partial(_with_alpha, expression=alpha), drivers=GLSL_DRIVERS)
@@ -192,7 +194,7 @@ def _depths(settings: Settings, near: float, far: float, set_kind: float | None)
         kinds = DEPTH_KINDS[stored_kind], DEPTH_KINDS[read_kind]
         if set_kind not in (None, kinds[1]):
             continue
-        name = f"the depth is {stored_kind} and was read as {read_kind}"
+        name = f"the depth buffer holds {stored_kind} depth, but was read as {read_kind}"
         advice = f"If BokehDepthKind is {kinds[1]} ({read_kind}) now, set it to {kinds[0]} ({stored_kind})."
         yield Mistake(name, advice, settings, depth=partial(misread, *kinds))
 
@@ -240,7 +242,7 @@ def compare(
     terminal.tell(
         f"{result} beside {settings.method} {settings.aperture} by {active_driver.name} ({active_driver.adapter}): "
         f"{_shares(steps)}",
-        f"nearest to {nearest.storage} targets; the input has {scene.storage} colour. Either kind of target is right",
+        f"It is nearest to {nearest.storage} targets, and the input has {scene.storage} colour. Both kinds are right.",
     )
     terminal.tell(*_set_otherwise(engine_values, settings, scene.size))
     bound = metrics.CLOSE_STEPS
@@ -250,14 +252,16 @@ def compare(
         )
         explained, bound = likeliest[0][0], metrics.FAR_STEPS
         if _score(explained) < NEARER * _score(steps):
-            tie_text = f"one of {len(likeliest)} that make the same picture: " if len(likeliest) > 1 else ""
+            tie_text = f"one of {len(likeliest)} that result in the same image: " if len(likeliest) > 1 else ""
             for _, mistake in likeliest:
                 terminal.tell(f"likeliest mistake: {tie_text}{mistake.name}. {mistake.advice}")
             terminal.tell(f"with it, {_shares(explained)}")
             terminal.end(False)
     same = (steps <= bound).mean() >= metrics.CLOSE_SHARE
     terminal.tell(
-        "the same" if same else "not the same, and by no mistake that compare knows. See docs/troubleshooting.md."
+        "the same"
+        if same
+        else "not the same, and no mistake that compare knows explains it. See docs/troubleshooting.md."
     )
     terminal.end(same)
 

@@ -20,12 +20,12 @@ import OpenEXR
 import typer
 
 from bokeh_validation import browser, files, paths, process, shaders, terminal
-from bokeh_validation.engines import pages
 from bokeh_validation.errors import UserError
 from bokeh_validation.frame import methods
 from bokeh_validation.shaders.entries import EXACT
 from bokeh_validation.shaders.passes import Pass, is_linear
 from bokeh_validation.truth import EXPOSURE, ray_traced
+from engines import pages
 from lab.other_effects import effects
 
 PROJECT = paths.ROOT / "integration" / "demo"

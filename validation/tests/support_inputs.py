@@ -5,12 +5,12 @@ import pytest
 from bokeh_validation import compile_matrix, paths
 
 # Folders with the code that makes the frame, runs a sample and judges its result
-HARNESS = ("browser", "drivers", "engines", "frame", "numerics", "plan", "probes", "reference", "shaders", "windows")
+HARNESS = ("browser", "drivers", "frame", "numerics", "plan", "probes", "reference", "shaders", "windows")
 SHARED = (
     *paths.LANGUAGES,
     *(f"validation/bokeh_validation/{name}" for name in HARNESS),
     *(str(path.relative_to(paths.ROOT)) for path in sorted(paths.VALIDATION.glob("bokeh_validation/*.py"))),
-    "validation/tests/engines",
+    "validation/engines",
     "integration/README.md",
     "integration/parameters",
 )
@@ -44,7 +44,15 @@ DRAWN = (
     "docs/data",
 )
 # and of every test of the lab, which also draws the documents' images and other effects
-OF_LAB = (*DRAWN, "validation/lab", "validation/requirements.txt", "integration", "docs", "README.md")
+OF_LAB = (
+    *DRAWN,
+    "validation/engines",
+    "validation/lab",
+    "validation/requirements.txt",
+    "integration",
+    "docs",
+    "README.md",
+)
 
 
 def inputs(*names: str, of_code: bool = False) -> pytest.MarkDecorator:

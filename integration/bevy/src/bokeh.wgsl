@@ -4,6 +4,7 @@ override BOKEH_NUM_SAMPLES: i32 = 9;
 override BOKEH_SPACING: f32 = 1.5;
 override BOKEH_VIEWPORT: i32 = 0;
 override BOKEH_SIDES: i32 = 0;
+override BOKEH_HALF_PRECISION: i32 = 0;
 const BOKEH_MAX_COLOR: f32 = 65504.0;
 const BOKEH_MIN_DEPTH: f32 = 0.000001;
 const BOKEH_MAX_DEPTH: f32 = 1000000000.0;
@@ -15,6 +16,9 @@ const BOKEH_TUNED_RIM_LIGHT: f32 = 64.0;
 const BOKEH_TUNED_SHARP_WEIGHT: f32 = 0.5;
 const BOKEH_TUNED_DENSE_RATIO: f32 = 0.25;
 alias BokehDepthTexture = texture_2d<f32>;
+alias BokehHalf = f32;
+alias BokehHalf2 = vec2<BokehHalf>;
+alias BokehHalf4 = vec4<BokehHalf>;
 fn BokehFetchTexture(tex: texture_2d<f32>, coords: vec2f, BokehLinearClamp: sampler) -> vec4f
 {
 return textureSampleLevel(tex, BokehLinearClamp, coords, 0.0);
@@ -1607,8 +1611,8 @@ return max(even + even * (even / rings.radius - 1.0) * rings.narrowing, min(even
 }
 struct BokehGather
 {
-sum: vec4f,
-front: vec4f,
+sum: BokehHalf4,
+front: BokehHalf4,
 farFound: f32,
 center: vec2f,
 s: f32,
@@ -1618,6 +1622,15 @@ slopes: vec2f,
 snapping: f32,
 bounds: vec2f,
 inner: f32,
+}
+fn BokehHalfTexel(texel: vec4f) -> BokehHalf4
+{
+var converted: BokehHalf4 = BokehHalf4(texel);
+if (BOKEH_HALF_PRECISION > 0)
+{
+converted = min(converted, BokehHalf4(8000.0, 8000.0, 8000.0, 8000.0));
+}
+return converted;
 }
 fn BokehGatherRing(before: BokehGather, MapSamp: texture_2d<f32>, ring: i32, onEdge: i32,
 outer: f32, polygon: BokehPolygon, layers: BokehLayerContext,
@@ -1653,11 +1666,11 @@ let place: vec2f = right * upright.x + upwards * upright.y;
 let texel: vec2f = floor(place);
 let offset: vec2f = texel + clamp((place - texel) * (gather.snapping + 1.0) - 0.5 *
 gather.snapping, zero, one);
-let pixel: vec4f = BokehFetchAround(MapSamp, gather.center, offset, full,
-BokehLinearClamp);
-let other: vec4f = BokehFetchAround(MapSamp, gather.center, -offset, full,
-BokehLinearClamp);
-let CoC: vec2f = vec2f(pixel.a, other.a) * full.size.y;
+let pixel: BokehHalf4 = BokehHalfTexel(BokehFetchAround(MapSamp, gather.center, offset,
+full, BokehLinearClamp));
+let other: BokehHalf4 = BokehHalfTexel(BokehFetchAround(MapSamp, gather.center, -offset,
+full, BokehLinearClamp));
+let CoC: vec2f = vec2f(f32(pixel.a), f32(other.a)) * full.size.y;
 let isBehind: vec2f = clamp(CoC * 2.0 - 2.0 * gather.s, zero, one) * (1.0 -
 gather.nearWeight);
 var inverse: vec2f = BokehSpreadInverse(CoC);
@@ -1667,11 +1680,12 @@ var covers: vec2f = cell * max(min(1.0 - innerSquare * inverse, area * inverse),
 let inFar: vec2f = covers * clamp(CoC * gather.slopes.y - 2.0, zero, one);
 covers = covers * (1.0 - clamp(CoC * -gather.slopes.x - 2.0, zero, one)) - inFar;
 gather.farFound += inFar.x + inFar.y;
-gather.sum += vec4f(pixel.rgb, 1.0) * covers.x;
-gather.sum += vec4f(other.rgb, 1.0) * covers.y;
-let inFront: vec2f = covers * clamp(gather.s - 0.5 - CoC, zero, one);
-gather.front += vec4f(pixel.rgb, 1.0) * inFront.x;
-gather.front += vec4f(other.rgb, 1.0) * inFront.y;
+let weights: BokehHalf2 = BokehHalf2(covers);
+gather.sum += BokehHalf4(pixel.rgb, 1.0) * weights.x;
+gather.sum += BokehHalf4(other.rgb, 1.0) * weights.y;
+let inFront: BokehHalf2 = BokehHalf2(covers * clamp(gather.s - 0.5 - CoC, zero, one));
+gather.front += BokehHalf4(pixel.rgb, 1.0) * inFront.x;
+gather.front += BokehHalf4(other.rgb, 1.0) * inFront.y;
 }
 corner += alongEdge;
 direction = BokehRotated(direction, turn);
@@ -1790,8 +1804,8 @@ gather.inner = radius;
 gather.bounds = 1.0 / vec2f(radius * radius, gather.inner * gather.inner);
 let weight: f32 = (1.0 - nearWeight) * min(gather.inverse / gather.bounds.y, 1.0);
 gather.farFound = weight * farWeight;
-gather.sum = vec4f(centerPixel.rgb, 1.0) * (weight - gather.farFound);
-gather.front = vec4f(0.0, 0.0, 0.0, 0.0);
+gather.sum = BokehHalfTexel(vec4f(centerPixel.rgb, 1.0) * (weight - gather.farFound));
+gather.front = BokehHalf4(0.0, 0.0, 0.0, 0.0);
 gather.snapping = max(tile.r, tile.g - 16.0);
 var lastInner: f32 = radius;
 if (rings > denseRings)
@@ -1860,15 +1874,16 @@ let missing: f32 = clamp(1.0 - 2.0 * farLayer.a, 0.0, 1.0) * behindNear;
 farColor += (farFill.rgb - farColor) * missing;
 farLayer = vec4f(farColor * farLayer.a, farLayer.a);
 }
-let sum: vec4f = gather.sum + farLayer * (gather.farFound * (1.0 - max(farWeight,
+let sum: vec4f = vec4f(gather.sum) + farLayer * (gather.farFound * (1.0 - max(farWeight,
 nearWeight)) / max(farLayer.a, 0.001));
 let plain: vec4f = sum + farLayer * farWeight;
+let front: vec4f = vec4f(gather.front);
 if (plain.a >= 0.001)
 {
-let rest: f32 = plain.a - gather.front.a;
-let open: f32 = clamp(1.0 - gather.front.a, 0.0, 1.0) / max(rest, 0.1);
-result = (gather.front.rgb + (plain.rgb - gather.front.rgb) * open) / (gather.front.a +
-rest * open);
+let rest: f32 = plain.a - front.a;
+let open: f32 = clamp(1.0 - front.a, 0.0, 1.0) / max(rest, 0.1);
+result = (front.rgb + (plain.rgb - front.rgb) * open) / (front.a + rest *
+open);
 }
 outline *= clamp(4.0 * farLayer.a, 0.0, 1.0);
 if (BOKEH_LAYER_OUTLINES > 0 && outline > 0.0)

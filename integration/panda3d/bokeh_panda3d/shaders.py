@@ -45,6 +45,9 @@ GLSL = r"""
 #ifndef BOKEH_SIDES
 #define BOKEH_SIDES 0
 #endif
+#ifndef BOKEH_HALF_PRECISION
+#define BOKEH_HALF_PRECISION 0
+#endif
 #ifndef BOKEH_MAX_COLOR
 #define BOKEH_MAX_COLOR 65504.0
 #endif
@@ -71,6 +74,22 @@ precision highp sampler2D;
 #if __VERSION__ < 330
 #error bokeh.glsl needs GLSL 3.30 or later: put '#version 330' first
 #endif
+#endif
+#if BOKEH_HALF_PRECISION > 0 && defined(VULKAN)
+#define BOKEH_HALF2 f16vec2
+#define BOKEH_HALF4 f16vec4
+#define BOKEH_TO_HALF2 f16vec2
+#define BOKEH_TO_HALF4 f16vec4
+#else
+#if BOKEH_HALF_PRECISION > 0
+#define BOKEH_HALF2 mediump vec2
+#define BOKEH_HALF4 mediump vec4
+#else
+#define BOKEH_HALF2 vec2
+#define BOKEH_HALF4 vec4
+#endif
+#define BOKEH_TO_HALF2 vec2
+#define BOKEH_TO_HALF4 vec4
 #endif
 #ifndef BOKEH_DEPTH_MULTISAMPLED
 #define BOKEH_DEPTH_MULTISAMPLED 0
@@ -1664,8 +1683,8 @@ return max(even + even * (even / rings.radius - 1.0) * rings.narrowing, min(even
 }
 struct BokehGather
 {
-vec4 sum;
-vec4 front;
+BOKEH_HALF4 sum;
+BOKEH_HALF4 front;
 float farFound;
 vec2 center;
 float s;
@@ -1676,6 +1695,15 @@ float snapping;
 vec2 bounds;
 float inner;
 };
+BOKEH_HALF4 BokehHalfTexel(vec4 texel)
+{
+BOKEH_HALF4 converted = BOKEH_TO_HALF4(texel);
+if (BOKEH_HALF_PRECISION > 0)
+{
+converted = min(converted, BOKEH_TO_HALF4(8000.0, 8000.0, 8000.0, 8000.0));
+}
+return converted;
+}
 BokehGather BokehGatherRing(BokehGather before, BOKEH_TEXTURE MapSamp, int ring, int onEdge,
 float outer, BokehPolygon polygon, BokehLayerContext layers)
 {
@@ -1709,9 +1737,11 @@ vec2 place = right * upright.x + upwards * upright.y;
 vec2 texel = floor(place);
 vec2 offset = texel + clamp((place - texel) * (gather.snapping + 1.0) - 0.5 *
 gather.snapping, zero, one);
-vec4 pixel = BokehFetchAround(MapSamp, gather.center, offset, full);
-vec4 other = BokehFetchAround(MapSamp, gather.center, -offset, full);
-vec2 CoC = vec2(pixel.a, other.a) * full.size.y;
+BOKEH_HALF4 pixel = BokehHalfTexel(BokehFetchAround(MapSamp, gather.center, offset,
+full));
+BOKEH_HALF4 other = BokehHalfTexel(BokehFetchAround(MapSamp, gather.center, -offset,
+full));
+vec2 CoC = vec2(float(pixel.a), float(other.a)) * full.size.y;
 vec2 isBehind = clamp(CoC * 2.0 - 2.0 * gather.s, zero, one) * (1.0 -
 gather.nearWeight);
 vec2 inverse = BokehSpreadInverse(CoC);
@@ -1721,11 +1751,12 @@ vec2 covers = cell * max(min(1.0 - innerSquare * inverse, area * inverse), zero)
 vec2 inFar = covers * clamp(CoC * gather.slopes.y - 2.0, zero, one);
 covers = covers * (1.0 - clamp(CoC * -gather.slopes.x - 2.0, zero, one)) - inFar;
 gather.farFound += inFar.x + inFar.y;
-gather.sum += vec4(pixel.rgb, 1.0) * covers.x;
-gather.sum += vec4(other.rgb, 1.0) * covers.y;
-vec2 inFront = covers * clamp(gather.s - 0.5 - CoC, zero, one);
-gather.front += vec4(pixel.rgb, 1.0) * inFront.x;
-gather.front += vec4(other.rgb, 1.0) * inFront.y;
+BOKEH_HALF2 weights = BOKEH_TO_HALF2(covers);
+gather.sum += BOKEH_TO_HALF4(pixel.rgb, 1.0) * weights.x;
+gather.sum += BOKEH_TO_HALF4(other.rgb, 1.0) * weights.y;
+BOKEH_HALF2 inFront = BOKEH_TO_HALF2(covers * clamp(gather.s - 0.5 - CoC, zero, one));
+gather.front += BOKEH_TO_HALF4(pixel.rgb, 1.0) * inFront.x;
+gather.front += BOKEH_TO_HALF4(other.rgb, 1.0) * inFront.y;
 }
 corner += alongEdge;
 direction = BokehRotated(direction, turn);
@@ -1839,8 +1870,8 @@ gather.inner = radius;
 gather.bounds = 1.0 / vec2(radius * radius, gather.inner * gather.inner);
 float weight = (1.0 - nearWeight) * min(gather.inverse / gather.bounds.y, 1.0);
 gather.farFound = weight * farWeight;
-gather.sum = vec4(centerPixel.rgb, 1.0) * (weight - gather.farFound);
-gather.front = vec4(0.0, 0.0, 0.0, 0.0);
+gather.sum = BokehHalfTexel(vec4(centerPixel.rgb, 1.0) * (weight - gather.farFound));
+gather.front = BOKEH_TO_HALF4(0.0, 0.0, 0.0, 0.0);
 gather.snapping = max(tile.r, tile.g - 16.0);
 float lastInner = radius;
 if (rings > denseRings)
@@ -1906,15 +1937,16 @@ float missing = clamp(1.0 - 2.0 * farLayer.a, 0.0, 1.0) * behindNear;
 farColor += (farFill.rgb - farColor) * missing;
 farLayer = vec4(farColor * farLayer.a, farLayer.a);
 }
-vec4 sum = gather.sum + farLayer * (gather.farFound * (1.0 - max(farWeight, nearWeight)) /
-max(farLayer.a, 0.001));
+vec4 sum = vec4(gather.sum) + farLayer * (gather.farFound * (1.0 - max(farWeight,
+nearWeight)) / max(farLayer.a, 0.001));
 vec4 plain = sum + farLayer * farWeight;
+vec4 front = vec4(gather.front);
 if (plain.a >= 0.001)
 {
-float rest = plain.a - gather.front.a;
-float open = clamp(1.0 - gather.front.a, 0.0, 1.0) / max(rest, 0.1);
-result = (gather.front.rgb + (plain.rgb - gather.front.rgb) * open) / (gather.front.a +
-rest * open);
+float rest = plain.a - front.a;
+float open = clamp(1.0 - front.a, 0.0, 1.0) / max(rest, 0.1);
+result = (front.rgb + (plain.rgb - front.rgb) * open) / (front.a + rest *
+open);
 }
 outline *= clamp(4.0 * farLayer.a, 0.0, 1.0);
 if (BOKEH_LAYER_OUTLINES > 0 && outline > 0.0)

@@ -1252,8 +1252,8 @@ float BokehRingBorder(int ring, BokehRingLayout rings)
 //   inner         where the next ring begins, pixels
 struct BokehGather
 {
-    float4 sum;
-    float4 front;
+    BOKEH_HALF4 sum;
+    BOKEH_HALF4 front;
     float farFound;
     float2 center;
     float s;
@@ -1264,6 +1264,19 @@ struct BokehGather
     float2 bounds;
     float inner;
 };
+
+// Layers: converts a texel for the gather
+//   In half precision it limits colours, so that their sum stays a finite half float: the weights
+//   of a ring add up to 1 at most, and a gather has at most six rings and the centre.
+BOKEH_HALF4 BokehHalfTexel(float4 texel)
+{
+    BOKEH_HALF4 converted = BOKEH_TO_HALF4(texel);
+    if (BOKEH_HALF_PRECISION > 0)
+    {
+        converted = min(converted, BOKEH_TO_HALF4(8000.0, 8000.0, 8000.0, 8000.0));
+    }
+    return converted;
+}
 
 // Layers: gathers one more ring
 //   onEdge        samples on an edge; if they and the polygon's sides are literals, compilers
@@ -1311,9 +1324,11 @@ BokehGather BokehGatherRing(BokehGather before, BOKEH_TEXTURE MapSamp, int ring,
             float2 offset = texel + clamp((place - texel) * (gather.snapping + 1.0) - 0.5 *
                 gather.snapping, zero, one);
             // this sample and the one opposite to it, both at once
-            float4 pixel = BokehFetchAround(MapSamp, gather.center, offset, full BOKEH_LINEAR);
-            float4 other = BokehFetchAround(MapSamp, gather.center, -offset, full BOKEH_LINEAR);
-            float2 CoC = float2(pixel.a, other.a) * full.size.y;
+            BOKEH_HALF4 pixel = BokehHalfTexel(BokehFetchAround(MapSamp, gather.center, offset,
+                full BOKEH_LINEAR));
+            BOKEH_HALF4 other = BokehHalfTexel(BokehFetchAround(MapSamp, gather.center, -offset,
+                full BOKEH_LINEAR));
+            float2 CoC = float2(float(pixel.a), float(other.a)) * full.size.y;
             float2 isBehind = clamp(CoC * 2.0 - 2.0 * gather.s, zero, one) * (1.0 -
                 gather.nearWeight);
             float2 inverse = BokehSpreadInverse(CoC);
@@ -1323,11 +1338,12 @@ BokehGather BokehGatherRing(BokehGather before, BOKEH_TEXTURE MapSamp, int ring,
             float2 inFar = covers * clamp(CoC * gather.slopes.y - 2.0, zero, one);
             covers = covers * (1.0 - clamp(CoC * -gather.slopes.x - 2.0, zero, one)) - inFar;
             gather.farFound += inFar.x + inFar.y;
-            gather.sum += float4(pixel.rgb, 1.0) * covers.x;
-            gather.sum += float4(other.rgb, 1.0) * covers.y;
-            float2 inFront = covers * clamp(gather.s - 0.5 - CoC, zero, one);
-            gather.front += float4(pixel.rgb, 1.0) * inFront.x;
-            gather.front += float4(other.rgb, 1.0) * inFront.y;
+            BOKEH_HALF2 weights = BOKEH_TO_HALF2(covers);
+            gather.sum += BOKEH_TO_HALF4(pixel.rgb, 1.0) * weights.x;
+            gather.sum += BOKEH_TO_HALF4(other.rgb, 1.0) * weights.y;
+            BOKEH_HALF2 inFront = BOKEH_TO_HALF2(covers * clamp(gather.s - 0.5 - CoC, zero, one));
+            gather.front += BOKEH_TO_HALF4(pixel.rgb, 1.0) * inFront.x;
+            gather.front += BOKEH_TO_HALF4(other.rgb, 1.0) * inFront.y;
         }
         corner += alongEdge;
         direction = BokehRotated(direction, turn);
@@ -1494,8 +1510,8 @@ float4 BokehComposite(BOKEH_TEXTURE MapSamp, BOKEH_TEXTURE GatherTilesSamp, BOKE
         // pixels of the far layer are replaced by that layer: a single one of them would be a
         // bright dot
         gather.farFound = weight * farWeight;
-        gather.sum = float4(centerPixel.rgb, 1.0) * (weight - gather.farFound);
-        gather.front = float4(0.0, 0.0, 0.0, 0.0);
+        gather.sum = BokehHalfTexel(float4(centerPixel.rgb, 1.0) * (weight - gather.farFound));
+        gather.front = BOKEH_TO_HALF4(0.0, 0.0, 0.0, 0.0);
         // the wider a layer's blur here, the closer samples move to the nearest texel: between a
         // near light and the surface behind it, the linear filter would find a light in focus
         gather.snapping = max(tile.r, tile.g - 16.0);
@@ -1574,16 +1590,17 @@ float4 BokehComposite(BOKEH_TEXTURE MapSamp, BOKEH_TEXTURE GatherTilesSamp, BOKE
             farLayer = float4(farColor * farLayer.a, farLayer.a);
         }
         // at pixels of a layer, the layer itself is added below
-        float4 sum = gather.sum + farLayer * (gather.farFound * (1.0 - max(farWeight, nearWeight)) /
-            max(farLayer.a, 0.001));
+        float4 sum = float4(gather.sum) + farLayer * (gather.farFound * (1.0 - max(farWeight,
+            nearWeight)) / max(farLayer.a, 0.001));
         float4 plain = sum + farLayer * farWeight;
+        float4 front = float4(gather.front);
         if (plain.a >= 0.001)
         {
             // the weight of what is in front is its coverage; the rest shows through what is left
-            float rest = plain.a - gather.front.a;
-            float open = clamp(1.0 - gather.front.a, 0.0, 1.0) / max(rest, 0.1);
-            result = (gather.front.rgb + (plain.rgb - gather.front.rgb) * open) / (gather.front.a +
-                rest * open);
+            float rest = plain.a - front.a;
+            float open = clamp(1.0 - front.a, 0.0, 1.0) / max(rest, 0.1);
+            result = (front.rgb + (plain.rgb - front.rgb) * open) / (front.a + rest *
+                open);
         }
         outline *= clamp(4.0 * farLayer.a, 0.0, 1.0);
         if (BOKEH_LAYER_OUTLINES > 0 && outline > 0.0)

@@ -16,6 +16,8 @@ from bokeh_validation.shaders.passes import BINDINGS, FIRST_SAMPLER, PARAMETERS,
 # targets, but only two of 32-bit floats.
 ATTACHMENT_BYTES = "max-color-attachment-bytes-per-sample"
 FILTERABLE = "float32-filterable"
+# Half precision in WGSL; few passes are drawn with it
+HALF = "shader-f16"
 
 
 def _import():
@@ -63,7 +65,8 @@ class WGPU(DeviceDriver):
         self.adapter = f"{info['device']}, {info['backend_type']}, {info['description']}"
         self.attachment_bytes = device_adapter.limits[ATTACHMENT_BYTES]
         self.device = device_adapter.request_device_sync(
-            required_features=[FILTERABLE], required_limits={ATTACHMENT_BYTES: self.attachment_bytes}
+            required_features=[FILTERABLE, *({HALF} & set(device_adapter.features))],
+            required_limits={ATTACHMENT_BYTES: self.attachment_bytes},
         )
         self.programs: dict[tuple, object] = {}
         self.module = lru_cache(PROGRAMS)(lambda code: self.device.create_shader_module(code=code))
@@ -85,7 +88,9 @@ class WGPU(DeviceDriver):
 
     def modules(self, render_pass: Pass) -> tuple:
         """Return (vertex module, fragment module, pipeline constants) of a pass."""
-        module = self.module(shaders.wgsl() if render_pass.sources is None else render_pass.sources["wgsl"])
+        module = self.module(
+            shaders.wgsl(render_pass.constants) if render_pass.sources is None else render_pass.sources["wgsl"]
+        )
         return module, module, {name: float(value) for name, value in render_pass.constants.items()}
 
     def make_pipeline(self, vertex: dict, fragment: dict, formats: Sequence[str]):

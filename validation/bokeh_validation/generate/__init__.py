@@ -194,12 +194,31 @@ def web_shaders() -> str:
         programs = texts.pop("bokeh_passes")
         functions = {match["name"]: match[0] for match in shaders.FUNCTION.finditer(programs)}
         texts["noise"] = functions["BokehNoise"]
-        texts = _with_values(texts)
+        texts = _with_values({name: _in_full_precision(text) for name, text in texts.items()})
         lines += ["", f"export const {language.upper()} = {{"]
         for name, text in texts.items():
             lines += [f"  {name}: `", *_joined(map(_compact, _code(text))), "`,"]
         lines.append("};")
     return "\n".join(lines) + "\n"
+
+
+# What half precision adds to the text: its constant, its types, and a function, which would only return its argument
+HALF_PRECISION = (
+    (r"^#ifndef BOKEH_HALF_PRECISION\n.*\n#endif\n", ""),
+    (r"^#if BOKEH_HALF_PRECISION > 0 && (?s:.*?)^#define BOKEH_TO_HALF4 vec4\n#endif\n", ""),
+    (r"^override BOKEH_HALF_PRECISION.*\n|^alias BokehHalf.*\n", ""),
+    (r"^(?:fn|BOKEH_HALF4) BokehHalfTexel\((?s:.*?)^\}\n", ""),
+    (r"\bBokehHalfTexel\(", "("),
+    (r"\bBOKEH_(?:TO_)?HALF(\d)\b", r"vec\1"),
+    (r"\bBokehHalf(\d)\b", r"vec\1f"),
+)
+
+
+def _in_full_precision(text: str) -> str:
+    """Return a text in GLSL or WGSL without the option of half precision, which the classes do not have."""
+    for pattern, new in HALF_PRECISION:
+        text = re.sub(pattern, new, text, flags=re.MULTILINE)
+    return text
 
 
 def _with_values(texts: Mapping[str, str]) -> dict[str, str]:
@@ -248,7 +267,8 @@ def _joined(lines: Iterable[str]) -> list[str]:
     for line in lines:
         continues = line in ("{", "}") or joined[-1].endswith((",", "(", "+", "-", "*"))
         if continues and not joined[-1].startswith("#") and not line.startswith("#"):
-            joined[-1] += line
+            # the operator at the end of a line has a space before it
+            joined[-1] = re.sub(r" ([+*])$", r"\1", joined[-1]) + line
         else:
             joined.append(line)
     return joined[1:]

@@ -47,24 +47,27 @@ OVERWRITE = {
     "each frame, with BokehJitter": ["BokehFrame"],
 }
 NOTES = (
-    "A program is the lines of `before`, a #define of each constant (in WGSL a pipeline constant), then `files` in "
-    "their order, as one text; the vertex shader too, by `define` of `vertex` or its entry. GLSL also has the versions "
-    "300 es and 450, HLSL the shader models 3 to 6.",
-    "`size` is ceil(width / scale) x ceil(height / scale) of the full size: rounded up. The viewport of a pass is its "
-    "whole target, unless the pass has a `viewport` (x, y, width, height in texels of the target).",
-    "Blending, depth test and culling off. `linear`: linear filter, clamp, no mip levels. `nearest`: fetched texel by "
-    "texel; only shader model 3 needs a filter of that kind.",
-    "The parameters of a pass are `parameters`, with its own `changes` over them in that pass only. `overwrite` names "
-    "those that your engine must give.",
-    "BokehSignedCoCMap reads the engine's depth buffer: BokehDepthKind says what it holds. BokehLinearDepth, where "
-    "there is one, makes metres of it; leave it out where your depth is in metres already.",
-    "WebGPU: all bindings are in `group`; a pass takes the sampler where `sampler` is true. `unread` is what a layout "
-    "made from the WGSL ('auto') has beside the inputs: bind the texture named there, or any other.",
-    "`debug` is drawn after the CoC map in place of all other passes: BokehDebugMode 0 shows the colour, 1 depth, 2 "
-    "the CoC, 3 what is near and far.",
-    "Constants that are not listed have the library's default, which is the preset MEDIUM. For another preset put its "
-    "`define` before the files, in WGSL the constants that it `stands_for`; a preset with one of those is an error.",
-    "Where a preset's BOKEH_LAYER_SCALE is 4, a `scale` of 2 becomes 4 for the passes and the targets.",
+    "To make the program of a pass, join these parts into one text: the lines of `before`, a #define of each "
+    "constant, then `files` in their order. In WGSL, set the constants when you create the pipeline instead. The "
+    "vertex shader is made in the same way, with the `define` of `vertex`; in HLSL and WGSL it is an entry point of "
+    "the same text. GLSL may also start with version 300 es or 450, and HLSL may be shader model 3 to 6.",
+    "The `size` of a target is the full size divided by `scale`, rounded up. A pass draws to its whole target, "
+    "unless it has a `viewport` (x, y, width, height in texels of the target).",
+    "Switch off blending, depth test and culling. `linear` means a sampler with a linear filter, clamped, without "
+    "mip levels. A `nearest` texture is fetched texel by texel. It needs a nearest filter in shader model 3, and in "
+    "OpenGL ES if it is a 32-bit float texture.",
+    "A pass takes the values of `parameters`, but those in its own `changes` replace them in this pass. Your engine "
+    "must set the parameters that `overwrite` names.",
+    "BokehSignedCoCMap reads the engine's depth buffer, and BokehDepthKind says what the buffer holds. If there is "
+    "a pass BokehLinearDepth, it converts depth to metres; leave it out if your depth is in metres already.",
+    "WebGPU: all bindings are in `group`. A pass has a sampler if `sampler` is true. With layout 'auto', a pass "
+    "also has the bindings in `unread`, which it never reads: bind the texture that is named there, or any other.",
+    "`debug` is a pass that you may draw after the CoC map, instead of all other passes. BokehDebugMode 0 shows the "
+    "colour, 1 the depth, 2 the CoC, and 3 what is near and what is far.",
+    "A constant that is not listed has the library's default, which belongs to the preset MEDIUM. For another "
+    "preset, put its `define` before the files, or in WGSL set the constants that it `stands_for`. Do not define "
+    "both a preset and one of its constants, since that is an error.",
+    "If a preset sets BOKEH_LAYER_SCALE to 4, passes and targets with a `scale` of 2 have a `scale` of 4 instead.",
 )
 
 

@@ -66,6 +66,8 @@ class Library:
         text = shaders.COMMENT.sub("", f"{function['head']}\n{function['body']}")
         # all files are in the text, so its # lines can be dropped
         text = re.sub(r"^#.*\n", "", text, flags=re.MULTILINE)
+        # the reference has one precision
+        text = re.sub(r"\bBOKEH_(?:TO_)?HALF(\d)\b", r"vec\1", text)
         text = re.sub(rf"\b({'|'.join(TYPES)})\(", r"new_\1(", text)
         types = (*TYPES[2:], *self.structs)
         typedefs = "".join(f"typedef float {name};\n" for name in types)

@@ -24,14 +24,14 @@ UNKNOWN = [0.0, 1.0]
 # them the longest tests could start last. A set-up is a build that the following tests of the file need as well: both
 # tests of Bevy's crate wait for the build of its sample, so they must not occupy another process meanwhile.
 FIRST_TIME: Durations = {
-    "tests/engines/test_engines.py::test_sample": [2.0, 30.0],
-    "tests/engines/test_engines.py::test_sample[vulkan": [2.0, 60.0],
-    "tests/engines/test_engines.py::test_sample[wgpu": [100.0, 200.0],
-    "tests/engines/test_engines.py::test_sample[bevy": [500.0, 600.0],
-    "tests/engines/test_engines.py::test_bevy_dependency": [0.0, 60.0],
-    "tests/engines/test_engines.py::test_wgpu_crate": [60.0, 90.0],
-    "tests/engines/test_engines.py::test_wgpu_program": [0.0, 60.0],
-    "tests/engines/test_compile_only.py::test_shader": [0.0, 5.0],
+    "engines/tests/test_engines.py::test_sample": [2.0, 30.0],
+    "engines/tests/test_engines.py::test_sample[vulkan": [2.0, 60.0],
+    "engines/tests/test_engines.py::test_sample[wgpu": [100.0, 200.0],
+    "engines/tests/test_engines.py::test_sample[bevy": [500.0, 600.0],
+    "engines/tests/test_engines.py::test_bevy_dependency": [0.0, 60.0],
+    "engines/tests/test_engines.py::test_wgpu_crate": [60.0, 90.0],
+    "engines/tests/test_engines.py::test_wgpu_program": [0.0, 60.0],
+    "engines/tests/test_compile_only.py::test_shader": [0.0, 5.0],
     "tests/harness/test_compile.py::test_accepted": [0.0, 7.0],
     "tests/harness/test_compile.py::test_accepted[hlsl-s": [0.0, 20.0],
     "tests/harness/test_frame.py::test_an_engine_runs_from_the_json": [0.0, 8.0],

@@ -86,7 +86,7 @@ def variant(name: str) -> str:
 
 def sample(name: str) -> str:
     """Return the node id of the test of an engine's sample, which hands over an Outcome."""
-    return f"tests/engines/test_engines.py::test_sample[{name}]"
+    return f"engines/tests/test_engines.py::test_sample[{name}]"
 
 
 # Node id of the test that draws market_7 by every method; hands over an Outcome
@@ -135,3 +135,10 @@ def check_adapter(names: Sequence[str], adapter: str | None) -> None:
 def unexplained(found: Mapping[str, Handed], errors: Mapping[str, str]) -> dict[str, str]:
     """Return name of a test -> its failure, for tests whose handed-over result does not itself report a failure."""
     return {name_of(test): error for test, error in errors.items() if test not in found or found[test].ok}
+
+
+def told(found: Mapping[str, Handed], errors: Mapping[str, str]) -> bool:
+    """Print the failures that unexplained() returns; returns whether there were none."""
+    failures = unexplained(found, errors)
+    terminal.tell(*(f"{name}: {error}" for name, error in failures.items()))
+    return not failures

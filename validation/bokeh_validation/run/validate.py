@@ -11,7 +11,7 @@ import jinja2
 import numpy as np
 from rich.text import Text
 
-from bokeh_validation import __version__, engines, files, metrics, paths, pictures, probes, terminal, truth
+from bokeh_validation import __version__, files, metrics, paths, pictures, probes, terminal, truth
 from bokeh_validation.compile_matrix import OK, Compilation
 from bokeh_validation.drivers.base import Driver
 from bokeh_validation.probes import REAL, outcomes
@@ -116,18 +116,19 @@ def write_report(path: Path, results: Everything) -> None:
     files.whole(path, lambda partial: partial.write_text(page, encoding="utf-8"))
 
 
-def validate(full: bool, adapter: str | None, output: Path | None) -> None:
+def validate(full: bool, adapter: str | None, output: Path | None, samples: Sequence[str]) -> None:
     """Compile and draw the shaders, compare market_7 with the truth, and write the report.
 
     full     whether to use every driver, compiler, probe and sample
     adapter  part of a device's name
     output   the report's file; None: in the cache folder
+    samples  names of the engines' samples to run
     """
     terminal.check_writable(output)
     started = time.monotonic()
     path = output or paths.ensured(paths.cache_folder() / "report") / "index.html"
     terminal.tell(f"About {MINUTES[full]} on two cores; this machine has {CORES}.")
-    results = everything(full, adapter)
+    results = everything(full, adapter, samples)
     write_report(path, results)
     outcomes.print_grid(results.probes)
     for outcome in (*results.probes, *results.engines):
@@ -150,7 +151,7 @@ def _next(results: Everything) -> str:
     return "docs/start.md leads to a first blur in your engine; validation/run --full draws on everything."
 
 
-def everything(full: bool, adapter: str | None) -> Everything:
+def everything(full: bool, adapter: str | None, samples: Sequence[str]) -> Everything:
     """Run the tests whose results make up the report; arguments as in validate()."""
     names = REAL if full else BRIEF_DRIVERS
     session.check_adapter(names, adapter)
@@ -158,7 +159,7 @@ def everything(full: bool, adapter: str | None) -> Everything:
     variants = dict.fromkeys(program.variant for program in load()) if full else BRIEF_VARIANTS
     tests = {
         "probes": [session.probe(probe.name, name) for probe in chosen_probes for name in names],
-        "engines": [session.sample(name) for name in engines.ENGINES if name not in engines.SLOW] if full else [],
+        "engines": [session.sample(name) for name in samples],
         "compilation": [session.variant(name) for name in variants],
         "market": [session.MARKET],
     }

@@ -70,7 +70,10 @@ def glsl(entry: str, profile: str = "330", values: Mapping[str, object] | None =
     profile  one of GLSL_VERSIONS
     values   constants to define
     """
-    head = GLSL_VERSIONS[profile] + "\n" + defines({"BOKEH_PASS": glsl_pass(entry), **(values or {})})
+    head = GLSL_VERSIONS[profile] + "\n"
+    if profile == "450" and _is_half(values):
+        head += "#extension GL_EXT_shader_explicit_arithmetic_types_float16 : require\n"
+    head += defines({"BOKEH_PASS": glsl_pass(entry), **(values or {})})
     return head + text("glsl")
 
 
@@ -84,6 +87,15 @@ def hlsl(shader_model: int | None, values: Mapping[str, object] | None = None) -
     return defines({**model, **(values or {})}) + text("hlsl")
 
 
-def wgsl() -> str:
-    """Return a complete WGSL module with every entry point; constants are set when a pipeline is created."""
-    return text("wgsl")
+def wgsl(values: Mapping[str, object] | None = None) -> str:
+    """Return a complete WGSL module with every entry point.
+
+    values  constants, which are set when a pipeline is created; half precision changes the text too, see section [2]
+    """
+    if not _is_half(values):
+        return text("wgsl")
+    return "enable f16;\n" + text("wgsl").replace("alias BokehHalf = f32;", "alias BokehHalf = f16;")
+
+
+def _is_half(values: Mapping[str, object] | None) -> bool:
+    return bool((values or {}).get("BOKEH_HALF_PRECISION"))

@@ -33,11 +33,23 @@ _PASS_NAMES = {shaders.glsl_pass(entry): f"{entry}_PS" for entry in ENTRIES}
 _TABLE_ROW = re.compile(rf"//   (?:{'|'.join(_PASS_NAMES)}|Bokeh\w+_PS)  ")
 
 # Common words, and the equivalents of each language
-_WORDS = ("<float>", "<2>", "<3>", "<4>", "<int>", "<texture>", "<depth texture>")
+_WORDS = ("<float>", "<2>", "<3>", "<4>", "<int>", "<texture>", "<depth texture>", "<half 2>", "<half 4>")
+# types, and constructors of them
+_HALVES = (r"BOKEH_(?:TO_)?HALF2", r"BOKEH_(?:TO_)?HALF4")
 _TYPES = {
-    "hlsl": ("float", "float2", "float3", "float4", "int", "BOKEH_TEXTURE", "BOKEH_DEPTH_TEXTURE"),
-    "glsl": ("float", "vec2", "vec3", "vec4", "int", "BOKEH_TEXTURE", "BOKEH_DEPTH_TEXTURE"),
-    "wgsl": ("f32", "vec2f", "vec3f", "vec4f", "i32", "texture_2d<f32>", "BokehDepthTexture"),
+    "hlsl": ("float", "float2", "float3", "float4", "int", "BOKEH_TEXTURE", "BOKEH_DEPTH_TEXTURE", *_HALVES),
+    "glsl": ("float", "vec2", "vec3", "vec4", "int", "BOKEH_TEXTURE", "BOKEH_DEPTH_TEXTURE", *_HALVES),
+    "wgsl": (
+        "f32",
+        "vec2f",
+        "vec3f",
+        "vec4f",
+        "i32",
+        "texture_2d<f32>",
+        "BokehDepthTexture",
+        "BokehHalf2",
+        "BokehHalf4",
+    ),
 }
 
 

@@ -24,19 +24,23 @@ SAMPLES: dict[str, tuple[int, ...]] = {
 }
 
 # Switches: images inside larger textures; cat's eye and curved blades; focus controls of the CoC map; random offsets;
-# a constant number of sides, here the maximum
+# a constant number of sides, here the maximum; half precision
 SWITCHES = {
     "viewport": {"BOKEH_VIEWPORT": 1},
     "lens": {"BOKEH_LENS_SHAPE": 1},
     "focus": {"BOKEH_FOCUS_CONTROLS": 1},
     "jitter": {"BOKEH_JITTER": 1},
     "sides": {"BOKEH_SIDES": 10},
+    "half": {"BOKEH_HALF_PRECISION": 1},
 }
 # A switch that is only compiled where it matters, because it makes programs larger -> the profile with the tight
 # limits
 ONLY_IN = {"jitter": "sm3"}
 # A switch that affects few programs -> parts of their names
-NOTICED_BY = {"sides": ("HoleFill", "Composite")}
+NOTICED_BY = {"sides": ("HoleFill", "Composite"), "half": ("Composite",)}
+# A switch that some compilers do not know -> their names: Mesa's OpenGL has no 16-bit floats, and neither has
+# Chromium's WebGPU on a software device
+UNKNOWN_TO = {"half": ("mesa", "tint")}
 # Entries that are compiled with the switches: one of each kind, and the longest programs of shader model 3
 SWITCHED = (
     "CoCMap SignedCoCMap AdaptiveFinal NaiveGather OctagonFirst DecagonFirst DecagonSecond ExactEdge StableMap "
@@ -118,14 +122,14 @@ class Program:
 
     @property
     def source(self) -> str:
-        """Return the complete text; WGSL does not contain the configuration."""
+        """Return the complete text; of the configuration, WGSL contains only half precision."""
         if self.language == "glsl":
             return shaders.glsl(self.entry, self.profile, self.configuration)
         if self.language == "hlsl":
             # Slang has to detect its shader model itself
             model = None if self.profile == "slang" else int(self.profile.removeprefix("sm"))
             return shaders.hlsl(model, self.configuration)
-        return shaders.wgsl()
+        return shaders.wgsl(self.values)
 
 
 def load(quick: bool = False, main: bool = False) -> list[Program]:
@@ -148,7 +152,8 @@ def load(quick: bool = False, main: bool = False) -> list[Program]:
                 noticed = any(part in entry.name for part in NOTICED_BY.get(switch, ("",)))
                 if noticed and not any(part in entry.name for part in no_room):
                     count, variant_name = None if entry.layers else 7, f"{variant}-{switch}"
-                    programs.append(Program(variant_name, language, profile, entry.name, count, compilers, values))
+                    knowing = tuple(name for name in compilers if name not in UNKNOWN_TO.get(switch, ()))
+                    programs.append(Program(variant_name, language, profile, entry.name, count, knowing, values))
     return programs
 
 

@@ -14,13 +14,13 @@ import numpy as np
 
 from bokeh_validation import exr, pictures
 from bokeh_validation.drivers.base import Driver
-from bokeh_validation.engines import pages
 from bokeh_validation.errors import Unavailable
 from bokeh_validation.frame import aperture_shapes, methods
 from bokeh_validation.probes import highlight, impulse, shapes, two_points
 from bokeh_validation.probes.model import Case, depth_of, drawn
 from bokeh_validation.reference import sampling
 from bokeh_validation.truth import ray_traced
+from engines import pages
 from lab import captioned
 from lab.captioned import Captioned
 

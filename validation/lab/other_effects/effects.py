@@ -12,9 +12,9 @@ import numpy as np
 from bokeh_validation import browser, locks, paths, process
 from bokeh_validation.drivers.base import Image
 from bokeh_validation.drivers.web import packed, unpacked
-from bokeh_validation.engines import pages
 from bokeh_validation.errors import Unavailable
 from bokeh_validation.frame.methods import Camera
+from engines import pages
 
 Parameters = dict[str, float | bool]
 PAGE = Path(__file__).parent / "page"

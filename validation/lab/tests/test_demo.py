@@ -22,11 +22,11 @@ from support_node import assert_passes, files
 
 from bokeh_validation import metrics, paths, pictures
 from bokeh_validation.drivers.base import STORAGE, Driver
-from bokeh_validation.engines import pages
 from bokeh_validation.frame import methods
 from bokeh_validation.probes.model import Case
 from bokeh_validation.reference import pass_images
 from bokeh_validation.truth import ray_traced
+from engines import pages
 from lab import demo
 from lab.other_effects import effects
 

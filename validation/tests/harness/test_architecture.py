@@ -11,10 +11,10 @@ import pytest
 from bokeh_validation import paths
 
 FILE_LINES, FUNCTION_LINES = 400, 60
-PACKAGE, LAB = paths.VALIDATION / "bokeh_validation", paths.VALIDATION / "lab"
+PACKAGE, *OTHERS = (paths.VALIDATION / name for name in ("bokeh_validation", "engines", "lab"))
 TESTS = paths.VALIDATION / "tests"
 CODE = (".py", ".cpp", ".c", ".h", ".js", ".html", ".glsl", ".hlsl", ".wgsl")
-SOURCES = [file for folder in (PACKAGE, LAB, TESTS) for file in sorted(folder.rglob("*")) if file.suffix in CODE]
+SOURCES = [file for folder in (PACKAGE, *OTHERS, TESTS) for file in sorted(folder.rglob("*")) if file.suffix in CODE]
 
 
 def name_of(file) -> str:
@@ -22,8 +22,8 @@ def name_of(file) -> str:
     return ".".join(file.relative_to(paths.VALIDATION).with_suffix("").parts).removesuffix(".__init__")
 
 
-FILES = [file for folder in (PACKAGE, LAB) for file in folder.rglob("*.py")]
-MODULES = {name_of(file): file for file in FILES if file.parent != LAB / "tests"}
+FILES = [file for folder in (PACKAGE, *OTHERS) for file in folder.rglob("*.py")]
+MODULES = {name_of(file): file for file in FILES if file.parent.name != "tests"}
 
 
 def imported(name: str) -> set[str]:
@@ -81,8 +81,9 @@ errors paths needs setup files locks process packages terminal shaders numerics
 exr metrics pictures frame reference windows browser compilers
 options drivers
 plan generate compile_matrix probes
-render compare check truth engines doctor
+render compare check truth doctor
 run cli __main__
+engines
 lab
 """.strip().splitlines()
 ]

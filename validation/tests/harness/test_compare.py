@@ -64,21 +64,21 @@ def unfiltered(case: Case) -> np.ndarray:
 
 MISTAKES = {
     "upside down: v is flipped": lambda case: drawn(case)[::-1].copy(),
-    "depth is upside down": lambda case: drawn(replace(case, depth=case.depth[::-1].copy())),
+    "the depth is upside down": lambda case: drawn(replace(case, depth=case.depth[::-1].copy())),
     "the result is sRGB": lambda case: gamma(drawn(case)),
     "the colour that was blurred is sRGB": lambda case: drawn(replace(case, color=gamma(case.color))),
-    "the CoC's sign is the other one": lambda case: drawn(case, coc=np.negative),
+    "the CoC's sign is wrong": lambda case: drawn(case, coc=np.negative),
     "the CoC has no sign": lambda case: drawn(case, coc=np.abs),
-    "reversed and was read as window": lambda case: with_depth(case, 1, 2),
-    "window and was read as metres": lambda case: with_depth(case, 0, 1),
+    "reversed depth, but was read as window": lambda case: with_depth(case, 1, 2),
+    "window depth, but was read as metres": lambda case: with_depth(case, 0, 1),
     "the rotation's sign": lambda case: drawn(replace(case, settings=replace(SETTINGS, rotation=-20.0))),
-    "it is layered": lambda case: drawn(replace(case, settings=replace(SETTINGS, method="layered"))),
-    "of another kind: octagon": lambda case: drawn(replace(case, settings=replace(SETTINGS, aperture="octagon"))),
+    "the method is layered": lambda case: drawn(replace(case, settings=replace(SETTINGS, method="layered"))),
+    "shape is octagon": lambda case: drawn(replace(case, settings=replace(SETTINGS, aperture="octagon"))),
     "the focal length is 0.07 m": lambda case: drawn(with_lens(case, focal_length=0.07)),
-    "the sensor's width is taken": lambda case: drawn(with_lens(case, sensor_height=0.036)),
-    "read by its nearest texel": lambda case: unfiltered(case),
-    "preset LOW": lambda case: drawn(replace(case, settings=replace(SETTINGS, samples=5, spacing=2.0))),
-    "preset ULTRA": lambda case: drawn(replace(case, settings=replace(SETTINGS, method="layered", preset="ultra"))),
+    "BokehSensorHeight is the sensor's width": lambda case: drawn(with_lens(case, sensor_height=0.036)),
+    "read without a linear filter": lambda case: unfiltered(case),
+    "preset is LOW": lambda case: drawn(replace(case, settings=replace(SETTINGS, samples=5, spacing=2.0))),
+    "preset is ULTRA": lambda case: drawn(replace(case, settings=replace(SETTINGS, method="layered", preset="ultra"))),
 }
 
 
@@ -96,7 +96,7 @@ def test_a_mistake_is_named(name, tmp_path):
     """Check that compare names the mistake with its advice."""
     case = noise_case((96, 64), SETTINGS)
     files = saved(tmp_path, case, MISTAKES[name](case))
-    method = ("--method", "layered") if name == "preset ULTRA" else ()
+    method = ("--method", "layered") if name == "preset is ULTRA" else ()
     done = called(*files, *GIVEN, *method, "--near", NEAR, "--far", FAR)
     assert done.returncode == 1, done.stdout + done.stderr
     lines = [line for line in done.stdout.splitlines() if line.startswith("likeliest mistake: ")]

@@ -26,7 +26,7 @@ def test_units_of_a_first_run():
     """Check that without a recorded duration each sample is a unit of its own, Bevy's with the tests of its crate, and
     that every assumed duration is that of a test.
     """
-    file = "tests/engines/test_engines.py"
+    file = "engines/tests/test_engines.py"
     names = ["test_sample[love]", "test_sample[bevy]", "test_bevy_dependency[git]", "test_wgpu_crate"]
     found = schedule.units([f"{file}::{name}" for name in names], {})
     assert list(found.values()) == [f"{file}::{names[place]}" for place in (0, 1, 1, 3)]

@@ -23,6 +23,7 @@ def test_defaults():
         "BOKEH_VIEWPORT": 0,
         "BOKEH_SIDES": 0,
         "BOKEH_DEPTH_MULTISAMPLED": 0,
+        "BOKEH_HALF_PRECISION": 0,
         "BOKEH_MAX_COLOR": listings.MAX_COLOR,
         "BOKEH_MIN_DEPTH": listings.MIN_DEPTH,
         "BOKEH_MAX_DEPTH": listings.MAX_DEPTH,

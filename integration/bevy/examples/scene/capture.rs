@@ -205,7 +205,7 @@ fn save(pixels: &[u8], path: PathBuf) {
     image.try_into_dynamic().unwrap().to_rgb8().save(path).expect("the folder can be written to");
 }
 
-/// capture.json: validation/bokeh_validation/engines/capture.py has its format.
+/// capture.json: validation/engines/capture.py has its format.
 fn description(bokeh: &Bokeh, adapter: &RenderAdapterInfo) -> String {
     let shots = SHOTS.map(|(name, method, shape, preset, _, UVec2 { x, y })| {
         let [method, shape, preset] = [format!("{method:?}"), format!("{shape:?}"), format!("{preset:?}")];

@@ -6,7 +6,7 @@ The first build compiles Bevy, which takes about 15 minutes on two cores and 1.5
 from pathlib import Path
 
 from bokeh_validation import process
-from bokeh_validation.engines import cargo, lavapipe
+from engines import cargo, lavapipe
 
 NAME = "bevy"
 EXAMPLE = "scene"

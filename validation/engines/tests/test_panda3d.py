@@ -9,7 +9,7 @@ from support_inputs import of_sample
 from support_pages import assert_picture
 
 from bokeh_validation import paths, process
-from bokeh_validation.engines import desktop
+from engines import desktop
 
 SAMPLE = paths.ROOT / "integration/panda3d"
 PIP = ("-I", "-m", "pip", "--disable-pip-version-check", "--no-input")

@@ -17,8 +17,8 @@ from support_inputs import samples
 from support_pages import assert_picture
 
 from bokeh_validation import paths, process
-from bokeh_validation.engines import desktop, direct3d, vulkan
 from bokeh_validation.frame import methods
+from engines import desktop, direct3d, vulkan
 
 INTEGRATION = paths.ROOT / "integration"
 # except guides without code, and the live page, which is not an engine

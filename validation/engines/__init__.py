@@ -1,6 +1,6 @@
 """Run the engine samples of integration/ on their own colour and depth, and compare them with the reference.
 
-tests/engines/test_engines.py runs them.
+engines/tests/test_engines.py runs them.
 """
 
 import shutil
@@ -10,13 +10,13 @@ from pathlib import Path
 import numpy as np
 
 from bokeh_validation import paths, pictures
-from bokeh_validation.engines import bevy, desktop, direct3d, godot, pages, vulkan, wgpu
-from bokeh_validation.engines.capture import Broken, Capture, read
 from bokeh_validation.errors import Unavailable
 from bokeh_validation.probes.model import Check
 from bokeh_validation.probes.outcomes import Outcome, Panel, Run, panel
+from engines import bevy, desktop, direct3d, godot, pages, vulkan, wgpu
+from engines.capture import Broken, Capture, read
 
-__all__ = ["ENGINES", "Broken", "Capture", "judged", "read", "run"]
+__all__ = ["ENGINES", "QUICK", "SLOW", "Broken", "Capture", "judged", "read", "run"]
 
 # Sample of integration/, as named for `validation/run engines` -> the function that builds it and runs it without a
 # window: called with its name and a folder for its capture. It raises errors.Unavailable, with the install line, if
@@ -33,6 +33,7 @@ ENGINES: dict[str, Callable[[str, Path], None]] = {
 }
 # Run only on request, since their first build takes many minutes
 SLOW = (bevy.NAME,)
+QUICK = tuple(name for name in ENGINES if name not in SLOW)
 
 
 def run(name: str) -> Capture:

@@ -10,7 +10,7 @@ from hashlib import md5
 from pathlib import Path
 
 from bokeh_validation import browser, paths
-from bokeh_validation.engines import pages
+from engines import pages
 
 SAMPLE = paths.ROOT / "integration/godot"
 ADDON = SAMPLE / "addons/polygon_bokeh"

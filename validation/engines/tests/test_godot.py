@@ -9,7 +9,7 @@ from support_inputs import of_sample
 from support_pages import SIZE, assert_debug_views, pixels
 
 from bokeh_validation import browser
-from bokeh_validation.engines import godot
+from engines import godot
 
 pytestmark = of_sample("godot", of_code=True)
 

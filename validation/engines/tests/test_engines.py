@@ -11,9 +11,10 @@ from PIL import Image
 from support import needed
 from support_inputs import DRAWN_AGAIN, of_sample, samples
 
-from bokeh_validation import engines, paths, process
-from bokeh_validation.engines import bevy, cargo, pages, vulkan, wgpu
+import engines
+from bokeh_validation import paths, process
 from bokeh_validation.errors import Unavailable
+from engines import bevy, cargo, pages, vulkan, wgpu
 
 EXACT = {("exact", "hexagon"), ("exact", "octagon")}
 PAPER = {("paper", "hexagon"), ("paper", "octagon")}

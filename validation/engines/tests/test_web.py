@@ -12,7 +12,7 @@ from support_inputs import inputs
 from support_node import assert_passes, files
 
 from bokeh_validation import browser, paths
-from bokeh_validation.engines import pages
+from engines import pages
 
 WEB = paths.ROOT / "integration/web"
 SAMPLES = [paths.ROOT / "integration" / name for name in ("threejs", "babylonjs", "playcanvas")]

@@ -7,7 +7,7 @@ from support_inputs import samples
 from support_pages import SIZE, assert_debug_views, assert_pulled, pixels
 
 from bokeh_validation import browser
-from bokeh_validation.engines import pages
+from engines import pages
 
 # Sample -> number of cameras of `depths` in capture.js, and the fraction of rays that must agree; the rest may pass an
 # outline. WebGPURenderer refuses a logarithmic buffer for perspective cameras: test_logarithmic_depth

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from bokeh_validation import process
-from bokeh_validation.engines import cargo, lavapipe
+from engines import cargo, lavapipe
 
 NAME = "wgpu"
 EXAMPLE = "capture"

@@ -18,10 +18,10 @@ from support_inputs import of_sample
 
 from bokeh_validation import paths
 from bokeh_validation.compilers import glslang, spirv
-from bokeh_validation.engines.godot import ADDON
 from bokeh_validation.frame import methods
 from bokeh_validation.shaders.entries import COLORS
 from bokeh_validation.truth import ray_traced
+from engines.godot import ADDON
 
 pytestmark = of_sample("godot")
 

@@ -14,8 +14,8 @@ import numpy as np
 
 from bokeh_validation import locks, needs, paths, process
 from bokeh_validation.compilers import dxc
-from bokeh_validation.engines import lavapipe
 from bokeh_validation.errors import Unavailable
+from engines import lavapipe
 
 SAMPLE = paths.ROOT / "integration/vulkan"
 NAMES = ("vulkan-glsl", "vulkan-hlsl")
