@@ -5,7 +5,7 @@
 //
 //   `exact` blurs each pixel by its own CoC, so near objects keep a hard outline. Here near objects
 //   spread over what is behind them, and what they hide is filled. docs/methods/layered.md has the
-//   frame graph, the derivations, and a table with evidence for every tuned constant.
+//   frame graph and the derivations, layered-evidence.md the evidence for every tuned constant.
 //
 // CONTRACT
 //   Functions only: no bindings, no entry points.
@@ -132,7 +132,7 @@
 #endif
 
 // Tuned constants: each comment says what goes wrong with another value.
-// docs/methods/layered.md has the measurements.
+// docs/methods/layered-evidence.md has the measurements.
 
 // The near layer appears while the largest near CoC in reach grows from START to FULL, pixels. With
 // lower or higher limits, the edges of small blurs get worse.

@@ -78,7 +78,7 @@ def pan(driver: Driver) -> Drawn:
 
 
 def pan_maps(driver: Driver) -> Drawn:
-    """Draw where the error varies in the pan, for docs/methods/layered.md."""
+    """Draw where the error varies in the pan, for docs/methods/layered-evidence.md."""
     return {"motion_maps": motion_maps.sheet(driver)}
 
 
