@@ -1487,7 +1487,8 @@ vec4 BokehComposite(BOKEH_TEXTURE MapSamp, BOKEH_TEXTURE GatherTilesSamp, BOKEH_
         // pixels of the far layer are replaced by that layer: a single one of them would be a
         // bright dot
         gather.farFound = weight * farWeight;
-        gather.sum = BokehHalfTexel(vec4(centerPixel.rgb, 1.0) * (weight - gather.farFound));
+        gather.sum = BOKEH_TO_HALF4(vec4(BokehHalfTexel(vec4(centerPixel.rgb, 1.0))) *
+            (weight - gather.farFound));
         gather.front = BOKEH_TO_HALF4(0.0, 0.0, 0.0, 0.0);
         // the wider a layer's blur here, the closer samples move to the nearest texel: between a
         // near light and the surface behind it, the linear filter would find a light in focus

@@ -1484,7 +1484,8 @@ fn BokehComposite(MapSamp: texture_2d<f32>, GatherTilesSamp: texture_2d<f32>,
         // pixels of the far layer are replaced by that layer: a single one of them would be a
         // bright dot
         gather.farFound = weight * farWeight;
-        gather.sum = BokehHalfTexel(vec4f(centerPixel.rgb, 1.0) * (weight - gather.farFound));
+        gather.sum = BokehHalf4(vec4f(BokehHalfTexel(vec4f(centerPixel.rgb, 1.0))) *
+            (weight - gather.farFound));
         gather.front = BokehHalf4(0.0, 0.0, 0.0, 0.0);
         // the wider a layer's blur here, the closer samples move to the nearest texel: between a
         // near light and the surface behind it, the linear filter would find a light in focus

@@ -1870,7 +1870,8 @@ gather.inner = radius;
 gather.bounds = 1.0 / vec2(radius * radius, gather.inner * gather.inner);
 float weight = (1.0 - nearWeight) * min(gather.inverse / gather.bounds.y, 1.0);
 gather.farFound = weight * farWeight;
-gather.sum = BokehHalfTexel(vec4(centerPixel.rgb, 1.0) * (weight - gather.farFound));
+gather.sum = BOKEH_TO_HALF4(vec4(BokehHalfTexel(vec4(centerPixel.rgb, 1.0))) *
+(weight - gather.farFound));
 gather.front = BOKEH_TO_HALF4(0.0, 0.0, 0.0, 0.0);
 gather.snapping = max(tile.r, tile.g - 16.0);
 float lastInner = radius;

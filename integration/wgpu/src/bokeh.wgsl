@@ -1804,7 +1804,8 @@ gather.inner = radius;
 gather.bounds = 1.0 / vec2f(radius * radius, gather.inner * gather.inner);
 let weight: f32 = (1.0 - nearWeight) * min(gather.inverse / gather.bounds.y, 1.0);
 gather.farFound = weight * farWeight;
-gather.sum = BokehHalfTexel(vec4f(centerPixel.rgb, 1.0) * (weight - gather.farFound));
+gather.sum = BokehHalf4(vec4f(BokehHalfTexel(vec4f(centerPixel.rgb, 1.0))) *
+(weight - gather.farFound));
 gather.front = BokehHalf4(0.0, 0.0, 0.0, 0.0);
 gather.snapping = max(tile.r, tile.g - 16.0);
 var lastInner: f32 = radius;

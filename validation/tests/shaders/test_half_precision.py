@@ -12,13 +12,17 @@ from support_cases import noise_case
 from bokeh_validation.drivers import webgpu
 from bokeh_validation.errors import Unavailable
 from bokeh_validation.frame.methods import Settings
+from bokeh_validation.probes.model import Case, depth_of, flat
+from bokeh_validation.probes.near_edges import CAMERA, metres
 from bokeh_validation.truth import ray_traced
 
 # Half of the distance between neighbouring half floats, relative to them
 ROUNDING = 2.0**-11
 # Samples of the largest gather of a hexagon at MEDIUM: 6, 12 and 12 on three rings, and the centre
 SAMPLES = 31
-BRIGHTEST = 65504.0
+BRIGHTEST, LIMIT = 65504.0, 8000.0
+# (width, height), and a CoC in pixels that is too small for the far layer
+SIZE, GATHERED = (48, 40), 5.0
 
 
 @pytest.fixture(scope="module")
@@ -58,9 +62,18 @@ def test_rounding(wgpu, scene):
 
 
 def test_brightest(wgpu):
-    """Check that sums of the brightest colours are finite, and that dark surroundings do not change that."""
+    """Check that sums of the brightest colours are finite, beside dark ones too."""
     case = noise_case((64, 48), Settings("layered", "hexagon"))
     color = case.color.copy()
     color[np.random.default_rng(2).random(color.shape[:2]) < 0.6, :3] = BRIGHTEST
     half = drawn(wgpu, replace(case, color=color), True)
     assert np.isfinite(half).all() and half.max() > 1000.0
+
+
+def test_limit(wgpu):
+    """Check that a plane of the brightest colour becomes one of 8000, in each channel, where it is only gathered."""
+    color = flat(SIZE)
+    color[..., :3] = BRIGHTEST
+    settings = Settings("layered", "hexagon", camera=CAMERA)
+    case = Case("plane", settings, color, depth_of(SIZE, metres(GATHERED, SIZE[1])))
+    assert drawn(wgpu, case, True) == pytest.approx(LIMIT, rel=2.0 * (SAMPLES + 2) * ROUNDING)
