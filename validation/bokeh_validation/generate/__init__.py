@@ -300,7 +300,7 @@ COUNTED = (
 # Rows of the table in docs/start.md: what a reader wants, how the page names the method, the method
 CHOICES = (
     ("the look of a lens, near objects included", "**`layered`**", "layered"),
-    ("less cost, in scenes where little in front of the focus is blurred", "**`exact`**", "exact"),
+    ("lower cost, for scenes in which hardly anything in front of the focus is blurred", "**`exact`**", "exact"),
     ("the method of [McIntosh, Riecke and DiPaola 2012](paper.md) as published", "`paper`", "paper"),
 )
 
