@@ -21,7 +21,6 @@ pytestmark = [
     pytest.mark.timeout(1500),
     inputs(
         *(str(path.relative_to(paths.ROOT)) for path in (WEB, *SAMPLES)),
-        "validation/engines/tests/support_node.py",
         of_code=True,
     ),
 ]

@@ -44,7 +44,7 @@ pytestmark = [
     inputs(
         *(f"integration/demo/{name}" for name in ("index.html", "package-lock.json", "src", "test", "vite.config.js")),
         "validation/lab/demo.py", "validation/lab/other_effects", "validation/scenes",
-        "validation/lab/tests/test_demo.py", "validation/engines/tests/support_node.py", "integration/web/test/chromium.js",
+        "validation/lab/tests/test_demo.py", "integration/web/test/chromium.js",
         of_code=True,
     ),
 ]  # fmt: skip
