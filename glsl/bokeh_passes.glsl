@@ -143,8 +143,8 @@ layout(location = 0) out vec2 BokehUV;
 out vec2 BokehUV;
 #endif
 
-// Three vertices without a buffer. Clip y = -1 is the first row in memory, in OpenGL and in Vulkan:
-// v runs with y.
+// draws a triangle over the whole target: three vertices, without a buffer
+//   Clip y = -1 is the first row in memory, in OpenGL and in Vulkan: v runs with y.
 void main()
 {
     BokehUV = vec2(BOKEH_VERTEX_ID == 1 ? 2.0 : 0.0, BOKEH_VERTEX_ID == 2 ? 2.0 : 0.0);
@@ -353,6 +353,7 @@ BokehPolygon BokehAnyAperture(vec2 uv)
     return BokehAperture(uv, clamp(sides, 4, 10));
 }
 
+// returns the lens that the parameters describe
 BokehLens BokehPassLens()
 {
     BokehLens lens = BokehMakeLens(BokehApertureDiameter, BokehFocalLength, BokehFocusDistance);
@@ -809,8 +810,8 @@ void main()
 void main()
 {
     BokehBlurred targets = BokehBothResults(BokehUV, BokehColorSamp, BokehColorSampB, 4);
-    BokehResult = targets.near;
-    BokehResultB = targets.far;
+    BokehResult = targets.nearLayer;
+    BokehResultB = targets.farLayer;
 }
 
 #elif BOKEH_PASS == BOKEH_HEXAGON_LAYER_FIRST
@@ -829,8 +830,8 @@ void main()
 void main()
 {
     BokehBlurred targets = BokehBothResults(BokehUV, BokehColorSampC, BokehColorSampD, 6);
-    BokehResult = targets.near;
-    BokehResultB = targets.far;
+    BokehResult = targets.nearLayer;
+    BokehResultB = targets.farLayer;
 }
 
 #elif BOKEH_PASS == BOKEH_OCTAGON_LAYER_FIRST

@@ -106,14 +106,14 @@ BokehPolygon BokehWithCatsEye(BokehPolygon polygon, float2 uv, float2 imageSize,
     float2 place = (uv - 0.5) * 2.0 * imageSize / length(imageSize);
     float2 along = BokehRotated(place, float2(polygon.axis.x, -polygon.axis.y)) * clamp(amount, 0.0,
         0.9);
-    BokehPolygon whole = polygon;
+    BokehPolygon uncut = polygon;
     // an edge of the minimum length stands for no edge
-    whole.lengths *= clamp((polygon.lengths - 0.001) * 100000.0, float4(0.0, 0.0, 0.0, 0.0),
+    uncut.lengths *= clamp((polygon.lengths - 0.001) * 100000.0, float4(0.0, 0.0, 0.0, 0.0),
         float4(1.0, 1.0, 1.0, 1.0));
     BokehPolygon widths = polygon;
-    widths.lengths = float4(BokehHalfWidth(1, whole, along), BokehHalfWidth(2, whole, along),
-        BokehHalfWidth(3, whole, along), BokehHalfWidth(4, whole, along));
-    widths.fifth = BokehHalfWidth(5, whole, along);
+    widths.lengths = float4(BokehHalfWidth(1, uncut, along), BokehHalfWidth(2, uncut, along),
+        BokehHalfWidth(3, uncut, along), BokehHalfWidth(4, uncut, along));
+    widths.fifth = BokehHalfWidth(5, uncut, along);
     BokehPolygon result = polygon;
     result.lengths = float4(BokehCutLength(1, widths), BokehCutLength(2, widths), BokehCutLength(3,
         widths), BokehCutLength(4, widths));

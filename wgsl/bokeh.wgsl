@@ -969,6 +969,8 @@ fn BokehExactFirst(MapSamp: texture_2d<f32>, uv: vec2f, last: i32, polygon: Boke
 }
 
 // Exact: draws the first pass of a square
+//   Reads the CoC map, blurs it along edge 1, and writes the result as strip 2, which the second
+//   pass blurs along edge 2.
 //   MapSamp       from BokehSignedCoCMap; linear filter, clamp
 //   polygon       from BokehMakePolygon(4, ..); for the passes below with 6, 8 and 10
 //   returns       strip2; other polygons also strip3 and so on
@@ -979,6 +981,7 @@ fn BokehSquareFirst(MapSamp: texture_2d<f32>, uv: vec2f, polygon: BokehPolygon,
 }
 
 // Exact: draws the second pass of a square
+//   Reads strip 2, blurs it along edge 2, and divides the sum by its weight.
 //   Strip2Samp    from the first pass; linear filter, clamp
 //   returns       rgb = colour, a = signed CoC, here and in the second passes below
 fn BokehSquareSecond(Strip2Samp: texture_2d<f32>, uv: vec2f, polygon: BokehPolygon,
@@ -990,7 +993,8 @@ fn BokehSquareSecond(Strip2Samp: texture_2d<f32>, uv: vec2f, polygon: BokehPolyg
     return BokehResolved(L2.sum, pixel);
 }
 
-// Exact: draws the first pass of a hexagon: strip2 and strip3
+// Exact: draws the first pass of a hexagon
+//   Reads the CoC map, and writes strips 2 and 3, one for each edge of the second pass.
 fn BokehHexagonFirst(MapSamp: texture_2d<f32>, uv: vec2f, polygon: BokehPolygon,
     settings: BokehSamplingSettings, BokehLinearClamp: sampler) -> BokehTargets
 {
@@ -998,6 +1002,7 @@ fn BokehHexagonFirst(MapSamp: texture_2d<f32>, uv: vec2f, polygon: BokehPolygon,
 }
 
 // Exact: draws the second pass of a hexagon
+//   Reads the strips, blurs each along the edge of its number, and adds them up.
 fn BokehHexagonSecond(Strip2Samp: texture_2d<f32>, Strip3Samp: texture_2d<f32>, uv: vec2f,
     polygon: BokehPolygon, settings: BokehSamplingSettings, BokehLinearClamp: sampler) -> vec4f
 {
@@ -1009,7 +1014,8 @@ fn BokehHexagonSecond(Strip2Samp: texture_2d<f32>, Strip3Samp: texture_2d<f32>, 
     return BokehResolved(L2.sum + L3.sum, pixel);
 }
 
-// Exact: draws the first pass of an octagon: strip2 to strip4
+// Exact: draws the first pass of an octagon
+//   Reads the CoC map, and writes strips 2 to 4, one for each edge of the second pass.
 fn BokehOctagonFirst(MapSamp: texture_2d<f32>, uv: vec2f, polygon: BokehPolygon,
     settings: BokehSamplingSettings, BokehLinearClamp: sampler) -> BokehTargets
 {
@@ -1017,6 +1023,7 @@ fn BokehOctagonFirst(MapSamp: texture_2d<f32>, uv: vec2f, polygon: BokehPolygon,
 }
 
 // Exact: draws the second pass of an octagon
+//   Reads the strips, blurs each along the edge of its number, and adds them up.
 fn BokehOctagonSecond(Strip2Samp: texture_2d<f32>, Strip3Samp: texture_2d<f32>,
     Strip4Samp: texture_2d<f32>, uv: vec2f, polygon: BokehPolygon, settings: BokehSamplingSettings,
     BokehLinearClamp: sampler) -> vec4f
@@ -1031,7 +1038,8 @@ fn BokehOctagonSecond(Strip2Samp: texture_2d<f32>, Strip3Samp: texture_2d<f32>,
     return BokehResolved(L2.sum + L3.sum + L4.sum, pixel);
 }
 
-// Exact: draws the first pass of a decagon: strip2 to strip5
+// Exact: draws the first pass of a decagon
+//   Reads the CoC map, and writes strips 2 to 5, one for each edge of the second pass.
 fn BokehDecagonFirst(MapSamp: texture_2d<f32>, uv: vec2f, polygon: BokehPolygon,
     settings: BokehSamplingSettings, BokehLinearClamp: sampler) -> BokehTargets
 {
@@ -1039,6 +1047,7 @@ fn BokehDecagonFirst(MapSamp: texture_2d<f32>, uv: vec2f, polygon: BokehPolygon,
 }
 
 // Exact: draws the second pass of a decagon
+//   Reads the strips, blurs each along the edge of its number, and adds them up.
 fn BokehDecagonSecond(Strip2Samp: texture_2d<f32>, Strip3Samp: texture_2d<f32>,
     Strip4Samp: texture_2d<f32>, Strip5Samp: texture_2d<f32>, uv: vec2f, polygon: BokehPolygon,
     settings: BokehSamplingSettings, BokehLinearClamp: sampler) -> vec4f

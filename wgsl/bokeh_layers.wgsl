@@ -326,8 +326,8 @@ fn BokehTileMax(MapSamp: texture_2d<f32>, layers: BokehLayerContext,
 //   tiles         distance of the other tile
 fn BokehReaching(CoC: vec2f, tiles: f32) -> vec2f
 {
-    let share: vec2f = CoC / 16.0 + 1.0 - max(tiles - 2.0, 0.0);
-    return CoC * clamp(share, vec2f(0.0, 0.0), vec2f(1.0, 1.0));
+    let weight: vec2f = CoC / 16.0 + 1.0 - max(tiles - 2.0, 0.0);
+    return CoC * clamp(weight, vec2f(0.0, 0.0), vec2f(1.0, 1.0));
 }
 
 // Layers: returns how many tiles the largest possible CoC can reach, at most 127
@@ -792,8 +792,8 @@ fn BokehDownsample(MapSamp: texture_2d<f32>, DilatedTilesSamp: texture_2d<f32>,
     let nearSlope: f32 = BokehNearSlope(tile.r);
     let farSlope: f32 = BokehFarSlope(tile.g);
     let inverseBrightness: f32 = exp2(-tile.b);
-    var mid: vec4f = vec4f(0.0, 0.0, 0.0, 0.0);
-    var far: vec4f = vec4f(0.0, 0.0, 0.0, 0.0);
+    var midColor: vec4f = vec4f(0.0, 0.0, 0.0, 0.0);
+    var farColor: vec4f = vec4f(0.0, 0.0, 0.0, 0.0);
     for (var y: i32 = 0; y < 4; y++)
     {
         for (var x: i32 = 0; x < 4; x++)
@@ -806,15 +806,15 @@ fn BokehDownsample(MapSamp: texture_2d<f32>, DilatedTilesSamp: texture_2d<f32>,
             let notNear: f32 = max(1.0 - 2.0 * nearWeight, 0.0625 - 0.0625 * nearWeight);
             let farWeight: f32 = BokehLayerWeight(s, farSlope);
             let weight: f32 = notNear / (1.0 + BokehBrightest(pixel.rgb) * inverseBrightness);
-            mid += vec4f(pixel.rgb, 1.0) * (weight * (1.0 - farWeight));
-            far += vec4f(pixel.rgb, 1.0) * (weight * farWeight);
+            midColor += vec4f(pixel.rgb, 1.0) * (weight * (1.0 - farWeight));
+            farColor += vec4f(pixel.rgb, 1.0) * (weight * farWeight);
         }
     }
     let center: vec2f = middlePlace / f32(BOKEH_LAYER_SCALE);
     let layerCoC: vec2f = BokehLayerCoC(LayerCoCSamp, layers, BokehLinearClamp);
     var targets: BokehDownsampled;
-    targets.midWithHoles = mid / 16.0;
-    targets.farWithHoles = far / 16.0;
+    targets.midWithHoles = midColor / 16.0;
+    targets.farWithHoles = farColor / 16.0;
     let nearBlur: BokehBlur = BokehLayerBlur(layerCoC, false, polygon);
     let farBlur: BokehBlur = BokehLayerBlur(layerCoC, true, polygon);
     targets.nearQuarter = BokehQuarterLayer(NearSamp, center, nearBlur.sideTap, layers,
@@ -839,12 +839,12 @@ fn BokehSamplesPerEdge(ring: i32, polygon: BokehPolygon) -> i32
     return i32(max(6.0 * f32(ring) / f32(polygon.sides) + 0.5, 1.0));
 }
 
-// Layers: returns the weights of middle and far that BokehDownsample had before it divided by
-//   1 + brightness / mean
-fn BokehHoleWeights(middle: vec4f, far: vec4f, inverseBrightness: f32) -> vec2f
+// Layers: returns the weights that a texel of midWithHoles and one of farWithHoles had before
+//   BokehDownsample divided them by 1 + brightness / mean
+fn BokehHoleWeights(midColor: vec4f, farColor: vec4f, inverseBrightness: f32) -> vec2f
 {
-    return vec2f(middle.a + BokehBrightest(middle.rgb) * inverseBrightness, far.a +
-        BokehBrightest(far.rgb) * inverseBrightness);
+    return vec2f(midColor.a + BokehBrightest(midColor.rgb) * inverseBrightness, farColor.a +
+        BokehBrightest(farColor.rgb) * inverseBrightness);
 }
 
 // Layers: holds what BokehHoleFill writes
@@ -879,9 +879,9 @@ fn BokehHoleFill(MidSamp: texture_2d<f32>, FarSamp: texture_2d<f32>,
     var corner: vec2f = BokehRotated(polygon.corner, polygon.axis);
     var direction: vec2f = BokehEdgeDirection(1, polygon);
     let turn: vec2f = BokehTurn(1.0, polygon);
-    var mid: vec4f = BokehFetchGrid(MidSamp, center, grid, BokehLinearClamp);
-    var far: vec4f = BokehFetchGrid(FarSamp, center, grid, BokehLinearClamp);
-    var weights: vec2f = BokehHoleWeights(mid, far, inverseBrightness);
+    var midColor: vec4f = BokehFetchGrid(MidSamp, center, grid, BokehLinearClamp);
+    var farColor: vec4f = BokehFetchGrid(FarSamp, center, grid, BokehLinearClamp);
+    var weights: vec2f = BokehHoleWeights(midColor, farColor, inverseBrightness);
     for (var ring: i32 = 0; ring < 3; ring++)
     {
         // no near layer, no holes
@@ -902,26 +902,26 @@ fn BokehHoleFill(MidSamp: texture_2d<f32>, FarSamp: texture_2d<f32>,
                 let place: vec2f = center + corner * scale;
                 let midTexel: vec4f = BokehFetchGrid(MidSamp, place, grid, BokehLinearClamp);
                 let farTexel: vec4f = BokehFetchGrid(FarSamp, place, grid, BokehLinearClamp);
-                mid += midTexel * weight;
-                far += farTexel * weight;
+                midColor += midTexel * weight;
+                farColor += farTexel * weight;
                 weights += BokehHoleWeights(midTexel, farTexel, inverseBrightness) * weight;
                 corner += along;
             }
             direction = BokehRotated(direction, turn);
         }
     }
-    let both: vec3f = (mid.rgb + far.rgb) / max(mid.a + far.a, 0.000001);
+    let both: vec3f = (midColor.rgb + farColor.rgb) / max(midColor.a + farColor.a, 0.000001);
     let midWeight: f32 = weights.r / max(weights.r + weights.g, 0.000001);
     var targets: BokehFilled;
     targets.midFill = vec4f(both, midWeight);
     targets.farFill = vec4f(both, 1.0);
-    if (mid.a > 0.000001)
+    if (midColor.a > 0.000001)
     {
-        targets.midFill = vec4f(mid.rgb / mid.a, midWeight);
+        targets.midFill = vec4f(midColor.rgb / midColor.a, midWeight);
     }
-    if (far.a > 0.000001)
+    if (farColor.a > 0.000001)
     {
-        targets.farFill = vec4f(far.rgb / far.a, 1.0);
+        targets.farFill = vec4f(farColor.rgb / farColor.a, 1.0);
     }
     return targets;
 }
@@ -1093,42 +1093,45 @@ struct BokehLayersTargets
 }
 
 // Layers: blurs both layers of a square or a hexagon, first pass
+//   Reads both layers, their quarter layers and layerCoC, and writes the strips of both, in one
+//   pass in place of two.
 fn BokehLayersFirst(NearSamp: texture_2d<f32>, NearQuarterSamp: texture_2d<f32>,
     FarSamp: texture_2d<f32>, FarQuarterSamp: texture_2d<f32>, layerCoC: vec2f,
         polygon: BokehPolygon, layers: BokehLayerContext,
         BokehLinearClamp: sampler) -> BokehLayersTargets
 {
     let last: i32 = polygon.sides / 2;
-    let near: BokehTargets = BokehLayerFirst(NearSamp, NearQuarterSamp, layerCoC, false, last,
-        polygon, layers, BokehLinearClamp);
-    let far: BokehTargets = BokehLayerFirst(FarSamp, FarQuarterSamp, layerCoC, true, last, polygon,
-        layers, BokehLinearClamp);
+    let nearTargets: BokehTargets = BokehLayerFirst(NearSamp, NearQuarterSamp, layerCoC, false,
+        last, polygon, layers, BokehLinearClamp);
+    let farTargets: BokehTargets = BokehLayerFirst(FarSamp, FarQuarterSamp, layerCoC, true,
+        last, polygon, layers, BokehLinearClamp);
     var targets: BokehLayersTargets;
-    targets.nearStrip2 = near.strip2;
-    targets.farStrip2 = far.strip2;
-    targets.nearStrip3 = near.strip3;
-    targets.farStrip3 = far.strip3;
+    targets.nearStrip2 = nearTargets.strip2;
+    targets.farStrip2 = farTargets.strip2;
+    targets.nearStrip3 = nearTargets.strip3;
+    targets.farStrip3 = farTargets.strip3;
     return targets;
 }
 
 // Layers: holds the finished layers
 struct BokehBlurred
 {
-    near: vec4f,
-    far: vec4f,
+    nearLayer: vec4f,
+    farLayer: vec4f,
 }
 
 // Layers: blurs both layers of a square or a hexagon, second pass
-//   For a square, pass any textures as strips 3: they are not read.
+//   Reads the strips of both layers and layerCoC, and writes both finished layers. For a square,
+//   pass any textures as strips 3: they are not read.
 fn BokehLayersSecond(NearStrip2Samp: texture_2d<f32>, FarStrip2Samp: texture_2d<f32>,
     NearStrip3Samp: texture_2d<f32>, FarStrip3Samp: texture_2d<f32>, layerCoC: vec2f,
         polygon: BokehPolygon, layers: BokehLayerContext, BokehLinearClamp: sampler) -> BokehBlurred
 {
     var targets: BokehBlurred;
-    targets.near = BokehLayerSecond(NearStrip2Samp, NearStrip3Samp, NearStrip3Samp, NearStrip3Samp,
-        layerCoC, false, polygon, layers, BokehLinearClamp);
-    targets.far = BokehLayerSecond(FarStrip2Samp, FarStrip3Samp, FarStrip3Samp, FarStrip3Samp,
-        layerCoC, true, polygon, layers, BokehLinearClamp);
+    targets.nearLayer = BokehLayerSecond(NearStrip2Samp, NearStrip3Samp,
+        NearStrip3Samp, NearStrip3Samp, layerCoC, false, polygon, layers, BokehLinearClamp);
+    targets.farLayer = BokehLayerSecond(FarStrip2Samp, FarStrip3Samp,
+        FarStrip3Samp, FarStrip3Samp, layerCoC, true, polygon, layers, BokehLinearClamp);
     return targets;
 }
 

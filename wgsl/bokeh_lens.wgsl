@@ -101,14 +101,14 @@ fn BokehWithCatsEye(polygon: BokehPolygon, uv: vec2f, imageSize: vec2f, amount: 
     let place: vec2f = (uv - 0.5) * 2.0 * imageSize / length(imageSize);
     let along: vec2f = BokehRotated(place, vec2f(polygon.axis.x, -polygon.axis.y)) * clamp(amount,
         0.0, 0.9);
-    var whole: BokehPolygon = polygon;
+    var uncut: BokehPolygon = polygon;
     // an edge of the minimum length stands for no edge
-    whole.lengths *= clamp((polygon.lengths - 0.001) * 100000.0, vec4f(0.0, 0.0, 0.0, 0.0),
+    uncut.lengths *= clamp((polygon.lengths - 0.001) * 100000.0, vec4f(0.0, 0.0, 0.0, 0.0),
         vec4f(1.0, 1.0, 1.0, 1.0));
     var widths: BokehPolygon = polygon;
-    widths.lengths = vec4f(BokehHalfWidth(1, whole, along), BokehHalfWidth(2, whole, along),
-        BokehHalfWidth(3, whole, along), BokehHalfWidth(4, whole, along));
-    widths.fifth = BokehHalfWidth(5, whole, along);
+    widths.lengths = vec4f(BokehHalfWidth(1, uncut, along), BokehHalfWidth(2, uncut, along),
+        BokehHalfWidth(3, uncut, along), BokehHalfWidth(4, uncut, along));
+    widths.fifth = BokehHalfWidth(5, uncut, along);
     var result: BokehPolygon = polygon;
     result.lengths = vec4f(BokehCutLength(1, widths), BokehCutLength(2, widths), BokehCutLength(3,
         widths), BokehCutLength(4, widths));

@@ -150,8 +150,8 @@ struct BokehVertex
     @location(0) uv: vec2f,
 }
 
-// Three vertices without a buffer. Clip space has +y up and v = 0 is the first row: v runs against
-// y.
+// draws a triangle over the whole target: three vertices, without a buffer
+//   Clip space has +y up and v = 0 is the first row: v runs against y.
 @vertex fn BokehFullScreen_VS(@builtin(vertex_index) id: u32) -> BokehVertex
 {
     let uv: vec2f = vec2f(select(0.0, 2.0, id == 1u), select(0.0, 2.0, id == 2u));
@@ -242,6 +242,7 @@ fn BokehAnyAperture(uv: vec2f) -> BokehPolygon
     return BokehAperture(uv, clamp(sides, 4, 10));
 }
 
+// returns the lens that the parameters describe
 fn BokehPassLens() -> BokehLens
 {
     var lens: BokehLens = BokehMakeLens(bokehParameters.BokehApertureDiameter,
@@ -631,7 +632,7 @@ fn BokehBothResults(uv: vec2f, NearStrip3Samp: texture_2d<f32>, FarStrip3Samp: t
 @fragment fn BokehSquareLayerSecond_PS(input: BokehVertex) -> BokehTargets2
 {
     let targets: BokehBlurred = BokehBothResults(input.uv, BokehColorSamp, BokehColorSampB, 4);
-    return BokehTargets2(targets.near, targets.far);
+    return BokehTargets2(targets.nearLayer, targets.farLayer);
 }
 
 @fragment fn BokehHexagonLayerFirst_PS(input: BokehVertex) -> BokehTargets4
@@ -644,7 +645,7 @@ fn BokehBothResults(uv: vec2f, NearStrip3Samp: texture_2d<f32>, FarStrip3Samp: t
 @fragment fn BokehHexagonLayerSecond_PS(input: BokehVertex) -> BokehTargets2
 {
     let targets: BokehBlurred = BokehBothResults(input.uv, BokehColorSampC, BokehColorSampD, 6);
-    return BokehTargets2(targets.near, targets.far);
+    return BokehTargets2(targets.nearLayer, targets.farLayer);
 }
 
 @fragment fn BokehOctagonLayerFirst_PS(input: BokehVertex) -> BokehTargets3

@@ -27,7 +27,7 @@ FRAMES.layered = {
     { { "midWithHoles", "farWithHoles", "nearQuarter", "farQuarter" }, 4, "BokehDownsample(coc, dilatedTiles, near, far, layerCoc, polygon, layers)", "BokehDownsampled midWithHoles farWithHoles nearQuarter farQuarter" },
     { { "midFill", "farFill" }, 4, "BokehHoleFill(midWithHoles, farWithHoles, dilatedTiles, polygon, layers)", "BokehFilled midFill farFill" },
     { { "nearStrip2", "farStrip2" }, 2, "BokehLayersFirst(near, nearQuarter, far, farQuarter, BokehLayerCoC(layerCoc, layers), polygon, layers)", "BokehLayersTargets nearStrip2 farStrip2" },
-    { { "nearBlurred", "farBlurred" }, 2, "BokehLayersSecond(nearStrip2, farStrip2, farStrip2, farStrip2, BokehLayerCoC(layerCoc, layers), polygon, layers)", "BokehBlurred near far" },
+    { { "nearBlurred", "farBlurred" }, 2, "BokehLayersSecond(nearStrip2, farStrip2, farStrip2, farStrip2, BokehLayerCoC(layerCoc, layers), polygon, layers)", "BokehBlurred nearLayer farLayer" },
     { { "result" }, 1, "BokehComposite(coc, gatherTiles, nearBlurred, farBlurred, midFill, farFill, polygon, layers)" },
   },
   [6] = {
@@ -41,7 +41,7 @@ FRAMES.layered = {
     { { "midWithHoles", "farWithHoles", "nearQuarter", "farQuarter" }, 4, "BokehDownsample(coc, dilatedTiles, near, far, layerCoc, polygon, layers)", "BokehDownsampled midWithHoles farWithHoles nearQuarter farQuarter" },
     { { "midFill", "farFill" }, 4, "BokehHoleFill(midWithHoles, farWithHoles, dilatedTiles, polygon, layers)", "BokehFilled midFill farFill" },
     { { "nearStrip2", "farStrip2", "nearStrip3", "farStrip3" }, 2, "BokehLayersFirst(near, nearQuarter, far, farQuarter, BokehLayerCoC(layerCoc, layers), polygon, layers)", "BokehLayersTargets nearStrip2 farStrip2 nearStrip3 farStrip3" },
-    { { "nearBlurred", "farBlurred" }, 2, "BokehLayersSecond(nearStrip2, farStrip2, nearStrip3, farStrip3, BokehLayerCoC(layerCoc, layers), polygon, layers)", "BokehBlurred near far" },
+    { { "nearBlurred", "farBlurred" }, 2, "BokehLayersSecond(nearStrip2, farStrip2, nearStrip3, farStrip3, BokehLayerCoC(layerCoc, layers), polygon, layers)", "BokehBlurred nearLayer farLayer" },
     { { "result" }, 1, "BokehComposite(coc, gatherTiles, nearBlurred, farBlurred, midFill, farFill, polygon, layers)" },
   },
   [8] = {

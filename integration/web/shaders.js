@@ -94,7 +94,7 @@ vec4 BokehViewport=vec4(0.,0.,1.,1.);
 vec4 BokehViewportBounds=vec4(0.,0.,1.,1.);
 void BokehSetViewport(vec4 viewport,vec2 textureSize){
 if(BOKEH_VIEWPORT>0){
-vec2 inset=min(vec2(.5078125,.5078125),viewport.zw*.5);
+vec2 inset=min(vec2(.5078125),viewport.zw*.5);
 BokehViewport=viewport/textureSize.xyxy;
 BokehViewportBounds=vec4(viewport.xy+inset,viewport.xy+viewport.zw-inset) /
 textureSize.xyxy;}}
@@ -188,7 +188,7 @@ float rim=clamp((brightness*overDarkest-1.3) /
 float light=clamp(brightest.z*overDarkest/64.-1.,0.,1.);
 return vec4(brightest.xy,dark,rim+rim*light);}
 vec4 BokehBrightNeighbor(BOKEH_TEXTURE ColorSamp,vec2 uv,vec2 imageSize){
-vec2 pixel=1./max(imageSize,vec2(1.,1.));
+vec2 pixel=1./max(imageSize,vec2(1.));
 vec2 right=vec2(pixel.x,0.);
 vec2 below=vec2(0.,pixel.y);
 vec4 brightest=BokehLightBeside(BokehFetchTexel(ColorSamp,BokehToTexture(uv)),BokehFetchTexel(ColorSamp,BokehToTexture(uv+right)),BokehFetchTexel(ColorSamp,BokehToTexture(uv-right)),BokehFetchTexel(ColorSamp,BokehToTexture(uv+below)),BokehFetchTexel(ColorSamp,BokehToTexture(uv-below)));
@@ -302,7 +302,7 @@ return vec2(-outwards.y,outwards.x)*BokehEdgeLength(k,polygon);}
 vec4 BokehEdgeLine(int k,BokehPolygon polygon,bool secondPass){
 vec2 halfEdge=BokehEdge(k,polygon)*.5;
 vec2 middle=polygon.corner-polygon.mean+halfEdge;
-vec4 before=clamp(float(k)-vec4(1.,2.,3.,4.),vec4(0.,0.,0.,0.),vec4(1.,1.,1.,1.));
+vec4 before=clamp(float(k)-vec4(1.,2.,3.,4.),vec4(0.),vec4(1.));
 middle+=BokehEdge(1,polygon)*before.x+BokehEdge(2,polygon)*before.y+BokehEdge(3,polygon)*before.z+BokehEdge(4,polygon)*before.w;
 if(secondPass){
 middle = -middle-polygon.corner;}
@@ -310,10 +310,10 @@ vec4 segment=vec4(BokehRotated(middle,polygon.axis),BokehRotated(halfEdge,polygo
 return segment*vec4(polygon.squeeze,1.,polygon.squeeze,1.);}
 vec4 BokehEdgeWeights(int k,BokehPolygon polygon){
 float angle=6.28318531/float(polygon.sides);
-vec4 steps=max(vec4(float(k)-1.,float(k)-2.,float(k)-3.,float(k)-4.),vec4(0.,0.,0.,0.));
-return max(sin(steps*angle),vec4(0.,0.,0.,0.))*polygon.lengths;}
+vec4 steps=max(vec4(float(k)-1.,float(k)-2.,float(k)-3.,float(k)-4.),vec4(0.));
+return max(sin(steps*angle),vec4(0.))*polygon.lengths;}
 float BokehEdgeArea(int k,BokehPolygon polygon){
-return dot(BokehEdgeWeights(k,polygon),vec4(1.,1.,1.,1.))*BokehEdgeLength(k,polygon);}
+return dot(BokehEdgeWeights(k,polygon),vec4(1.))*BokehEdgeLength(k,polygon);}
 vec4 BokehRay(int k,BokehPolygon polygon,bool secondPass){
 vec2 halfEdge=BokehEdge(k,polygon) * -.5;
 if(k==2){
@@ -334,7 +334,7 @@ vec4 sum;
 float reached;
 };
 BokehLine BokehLineSum(BOKEH_TEXTURE tex,vec2 uv,int k,BokehPolygon polygon,bool secondPass,bool rays,vec4 centerPixel,BokehSamplingSettings settings){
-vec4 sum=vec4(0.,0.,0.,0.);
+vec4 sum=vec4(0.);
 float reached=0.;
 float centerCoC=centerPixel.a;
 float CoC=BokehFilterCoC(abs(centerCoC),settings.imageHeight);
@@ -395,7 +395,7 @@ if(last<4){
 rays=polygon.sides==6;}
 BokehLine L1=BokehLineSum(MapSamp,uv,1,polygon,false,rays,centerPixel,settings);
 BokehLine L2;
-L2.sum=vec4(0.,0.,0.,0.);
+L2.sum=vec4(0.);
 L2.reached=0.;
 BokehLine L3=L2;
 BokehLine L4=L2;
@@ -481,7 +481,7 @@ return result;}
 vec4 BokehDepthOfField(BOKEH_TEXTURE ColorSamp,BOKEH_DEPTH_TEXTURE DepthSamp,vec2 uv,vec2 lineEnd,BokehSamplingSettings settings,bool blurCoC){
 vec4 centerPixel=BokehFetch(ColorSamp,uv);
 float centerDepth=BokehPaperDepth(DepthSamp,uv);
-vec4 color=vec4(0.,0.,0.,0.);
+vec4 color=vec4(0.);
 float totalWeight=0.;
 for(int i=0;i<BOKEH_PAPER_SAMPLES;i++){
 vec2 offset=BokehMakeOffsets(lineEnd,i,BOKEH_PAPER_SAMPLES);
@@ -504,7 +504,7 @@ float phase=.5+settings.jitter*clamp(lengthInPixels/samples-1.,0.,1.);
 vec2 scale=vec2(CoC/settings.aspectRatio,CoC);
 vec2 first=uv+(segment.xy-segment.zw)*scale;
 vec2 sampleStep=segment.zw*scale*(2./samples);
-vec4 color=vec4(0.,0.,0.,0.);
+vec4 color=vec4(0.);
 float totalWeight=0.;
 for(int i=0;i<BOKEH_NUM_SAMPLES;i++){
 if(BOKEH_SPACING>0.&&float(i)>=samples){
@@ -530,7 +530,7 @@ vec4 BokehNaiveGather(BOKEH_TEXTURE ColorSamp,BOKEH_DEPTH_TEXTURE DepthSamp,BOKE
 vec4 centerPixel=BokehFetch(ColorSamp,uv);
 float centerDepth=BokehPaperDepth(DepthSamp,uv);
 vec2 scale=vec2(centerPixel.a/settings.aspectRatio,centerPixel.a);
-vec4 color=vec4(0.,0.,0.,0.);
+vec4 color=vec4(0.);
 float totalWeight=0.;
 for(int i=0;i<BOKEH_PAPER_SAMPLES;i++){
 vec2 offset=BokehFetchTexel(KernelSamp,vec2((float(i)+.5) /
@@ -545,7 +545,7 @@ return BokehResolve(color,totalWeight,centerPixel,blurCoC);}
 vec4 BokehNaiveGrid(BOKEH_TEXTURE ColorSamp,BOKEH_DEPTH_TEXTURE DepthSamp,vec2 uv,vec2 lineEndU,vec2 lineEndV,BokehSamplingSettings settings,bool blurCoC){
 vec4 centerPixel=BokehFetch(ColorSamp,uv);
 float centerDepth=BokehPaperDepth(DepthSamp,uv);
-vec4 color=vec4(0.,0.,0.,0.);
+vec4 color=vec4(0.);
 float totalWeight=0.;
 for(int j=0;j<BOKEH_PAPER_SAMPLES;j++){
 vec2 rowOffset=BokehMakeOffsets(lineEndV,j,BOKEH_PAPER_SAMPLES);
@@ -632,7 +632,7 @@ BokehLayerContext BokehMakeLayerContext(vec2 uv,vec2 imageSize,float maxCoC){
 BokehLayerContext layers;
 layers.uv=uv;
 layers.size=imageSize;
-layers.origin=vec2(0.,0.);
+layers.origin=vec2(0.);
 layers.texel=1./imageSize;
 layers.largest=maxCoC*imageSize.y;
 layers.jitter=0.;
@@ -656,7 +656,7 @@ return BokehReducedGrid(layers,float(BOKEH_LAYER_SCALE));}
 vec2 BokehGridCoords(vec2 place,BokehGrid grid){
 vec2 coords=place;
 if(BOKEH_VIEWPORT>0){
-vec2 inset=min(vec2(.5078125,.5078125),grid.size*.5);
+vec2 inset=min(vec2(.5078125),grid.size*.5);
 coords=grid.origin+clamp(place,inset,grid.size-inset);}
 return coords*grid.texel;}
 vec4 BokehFetchGrid(BOKEH_TEXTURE tex,vec2 place,BokehGrid grid){
@@ -678,8 +678,8 @@ return BokehLayerSlope(largest,10.,16.);}
 float BokehLayerWeight(float CoC,float slope){
 return clamp(CoC*slope-2.,0.,1.);}
 vec4 BokehTileMax(BOKEH_TEXTURE MapSamp,BokehLayerContext layers){
-vec2 first=floor(layers.uv*ceil(layers.size/8.))*8.+vec2(.5,.5);
-vec3 found=vec3(0.,0.,0.);
+vec2 first=floor(layers.uv*ceil(layers.size/8.))*8.+vec2(.5);
+vec3 found=vec3(0.);
 for(int y=0;y<8;y++){
 for(int x=0;x<8;x++){
 vec2 place=first+vec2(float(x),float(y));
@@ -689,14 +689,14 @@ float logBrightness=log2(max(BokehBrightest(pixel.rgb),BOKEH_MIN_BRIGHTNESS));
 found=vec3(max(found.r,-s),max(found.g,s),found.b+logBrightness);}}
 return vec4(min(found.r,BOKEH_MAX_COLOR),min(found.g,BOKEH_MAX_COLOR),found.b/64.,1.);}
 vec2 BokehReaching(vec2 CoC,float tiles){
-vec2 share=CoC/16.+1.-max(tiles-2.,0.);
-return CoC*clamp(share,vec2(0.,0.),vec2(1.,1.));}
+vec2 weight=CoC/16.+1.-max(tiles-2.,0.);
+return CoC*clamp(weight,vec2(0.),vec2(1.));}
 float BokehReachTiles(BokehLayerContext layers){
 return min(ceil(layers.largest/16.)+2.,127.);}
 vec4 BokehTileDilate(BOKEH_TEXTURE TilesSamp,vec2 axis,BokehLayerContext layers){
 BokehGrid grid=BokehReducedGrid(layers,8.);
 float radius=BokehReachTiles(layers);
-vec2 found=vec2(0.,0.);
+vec2 found=vec2(0.);
 float logBrightness=0.;
 for(int i=0;i<255;i++){
 float tiles=float(i)-radius;
@@ -716,7 +716,7 @@ vec4 layerCoCSums;
 vec4 gatherCoC;
 };
 vec4 BokehLayerWeights(vec4 CoC,float slope){
-return clamp(CoC*slope-2.,vec4(0.,0.,0.,0.),vec4(1.,1.,1.,1.));}
+return clamp(CoC*slope-2.,vec4(0.),vec4(1.));}
 vec4 BokehSurroundings(vec4 found,vec4 pixel,float nearWeight,float maxNearWeight){
 vec4 result=vec4(min(found.rgb,pixel.rgb),found.a);
 if(nearWeight<.5*maxNearWeight){
@@ -740,19 +740,19 @@ float maxWeight=500000./max(layers.largest,50.);
 vec4 a=BokehFetchGrid(MapSamp,middle+vec2(-.5,-.5),full);
 vec4 b=BokehFetchGrid(MapSamp,middle+vec2(.5,-.5),full);
 vec4 c=BokehFetchGrid(MapSamp,middle+vec2(-.5,.5),full);
-vec4 d=BokehFetchGrid(MapSamp,middle+vec2(.5,.5),full);
+vec4 d=BokehFetchGrid(MapSamp,middle+vec2(.5),full);
 vec4 s=vec4(a.a,b.a,c.a,d.a)*full.size.y;
 vec4 nearWeights=BokehLayerWeights(-s,nearSlope);
 vec4 farWeights=BokehLayerWeights(s,farSlope);
 vec4 farSum=vec4(a.rgb,1.)*farWeights.x+vec4(b.rgb,1.)*farWeights.y+vec4(c.rgb,1.)*farWeights.z+vec4(d.rgb,1.)*farWeights.w;
 vec4 weights=farWeights*BokehBlurWeights(a,b,c,d,inverseBrightness,maxWeight);
-vec4 one=vec4(1.,1.,1.,1.);
+vec4 one=vec4(1.);
 vec4 sums=vec4(0.,0.,dot(weights,s)/8.,dot(weights,one));
 vec4 nearGather = -s*min(4.-4.*nearWeights,one);
 vec4 farGather=s*min(4.-4.*farWeights,one);
 vec2 gatherCoC=max(max(vec2(nearGather.x,farGather.x),vec2(nearGather.y,farGather.y)),max(vec2(nearGather.z,farGather.z),vec2(nearGather.w,farGather.w)));
 float maxNearWeight=max(max(nearWeights.x,nearWeights.y),max(nearWeights.z,nearWeights.w));
-vec4 nearSum=vec4(0.,0.,0.,0.);
+vec4 nearSum=vec4(0.);
 if(maxNearWeight>0.){
 vec4 around=vec4(BOKEH_MAX_COLOR,BOKEH_MAX_COLOR,BOKEH_MAX_COLOR,0.);
 around=BokehSurroundings(around,a,nearWeights.x,maxNearWeight);
@@ -777,7 +777,7 @@ targets.nearLayer=nearSum*.25;
 targets.farLayer=farSum*.25;
 float maxValue=BOKEH_MAX_COLOR;
 targets.layerCoCSums=min(sums*.25,vec4(maxValue,maxValue,maxValue,maxValue));
-targets.gatherCoC=vec4(clamp(gatherCoC,vec2(0.,0.),vec2(maxValue,maxValue)),0.,1.);
+targets.gatherCoC=vec4(clamp(gatherCoC,vec2(0.),vec2(maxValue,maxValue)),0.,1.);
 return targets;}
 BokehPrefiltered BokehPrefilter(BOKEH_TEXTURE MapSamp,BOKEH_TEXTURE DilatedTilesSamp,BokehLayerContext layers){
 BokehGrid grid=BokehLayerGrid(layers);
@@ -805,9 +805,9 @@ vec4 sums;
 BokehTileSums BokehLayerCoCReduce(BOKEH_TEXTURE SumsSamp,BOKEH_TEXTURE GatherCoCSamp,BokehLayerContext layers){
 BokehGrid grid=BokehLayerGrid(layers);
 int texels=8/BOKEH_LAYER_SCALE;
-vec2 first=floor(layers.uv*ceil(layers.size/8.))*float(texels)+vec2(.5,.5);
-vec4 sums=vec4(0.,0.,0.,0.);
-vec2 gatherCoC=vec2(0.,0.);
+vec2 first=floor(layers.uv*ceil(layers.size/8.))*float(texels)+vec2(.5);
+vec4 sums=vec4(0.);
+vec2 gatherCoC=vec2(0.);
 for(int y=0;y<texels;y++){
 for(int x=0;x<texels;x++){
 vec2 place=first+vec2(float(x),float(y));
@@ -820,11 +820,11 @@ return targets;}
 BokehTileSums BokehLayerCoCAlong(BOKEH_TEXTURE GatherCoCSamp,BOKEH_TEXTURE SumsSamp,BOKEH_TEXTURE DilatedTilesSamp,vec2 axis,BokehLayerContext layers){
 BokehGrid grid=BokehReducedGrid(layers,8.);
 vec2 tile=BokehFetchGrid(DilatedTilesSamp,layers.uv*grid.size,grid).rg;
-vec2 sigma=max(tile*.0375,vec2(.6,.6));
+vec2 sigma=max(tile*.0375,vec2(.6));
 float radius=BokehReachTiles(layers);
-vec4 sums=vec4(0.,0.,0.,0.);
-vec2 gatherCoC=vec2(0.,0.);
-vec2 total=vec2(0.,0.);
+vec4 sums=vec4(0.);
+vec2 gatherCoC=vec2(0.);
+vec2 total=vec2(0.);
 for(int i=0;i<255;i++){
 float tiles=float(i)-radius;
 if(tiles>radius){
@@ -849,7 +849,7 @@ BokehGrid grid=BokehReducedGrid(layers,8.);
 vec2 tile=BokehFetchGrid(DilatedTilesSamp,layers.uv*grid.size,grid).rg;
 BokehTileSums tileSums=BokehLayerCoCAlong(GatherCoCSamp,SumsSamp,DilatedTilesSamp,vec2(0.,1.),layers);
 vec4 sums=tileSums.sums;
-vec2 layerCoC=vec2(0.,0.);
+vec2 layerCoC=vec2(0.);
 if(sums.g>.0001&&tile.r>6.){
 layerCoC=vec2(8.*sums.r/sums.g,0.);}
 if(sums.a>.0001&&tile.g>10.){
@@ -892,7 +892,7 @@ blur.spacing=max(spacing,1.);
 return blur;}
 vec4 BokehQuarterLayer(BOKEH_TEXTURE LayerSamp,vec2 center,float side,BokehLayerContext layers){
 BokehGrid grid=BokehLayerGrid(layers);
-vec4 sum=vec4(0.,0.,0.,0.);
+vec4 sum=vec4(0.);
 if(side>0.){
 for(int y=0;y<3;y++){
 for(int x=0;x<3;x++){
@@ -911,14 +911,14 @@ vec4 farQuarter;
 };
 BokehDownsampled BokehDownsample(BOKEH_TEXTURE MapSamp,BOKEH_TEXTURE DilatedTilesSamp,BOKEH_TEXTURE NearSamp,BOKEH_TEXTURE FarSamp,BOKEH_TEXTURE LayerCoCSamp,BokehPolygon polygon,BokehLayerContext layers){
 BokehGrid full=BokehFullGrid(layers);
-vec2 first=floor(layers.uv*ceil(layers.size/4.))*4.+vec2(.5,.5);
-vec2 middlePlace=first+vec2(1.5,1.5);
+vec2 first=floor(layers.uv*ceil(layers.size/4.))*4.+vec2(.5);
+vec2 middlePlace=first+vec2(1.5);
 vec4 tile=BokehFetchGrid(DilatedTilesSamp,middlePlace/8.,BokehReducedGrid(layers,8.));
 float nearSlope=BokehNearSlope(tile.r);
 float farSlope=BokehFarSlope(tile.g);
 float inverseBrightness=exp2(-tile.b);
-vec4 mid=vec4(0.,0.,0.,0.);
-vec4 far=vec4(0.,0.,0.,0.);
+vec4 midColor=vec4(0.);
+vec4 farColor=vec4(0.);
 for(int y=0;y<4;y++){
 for(int x=0;x<4;x++){
 vec2 place=first+vec2(float(x),float(y));
@@ -928,13 +928,13 @@ float nearWeight=BokehLayerWeight(-s,nearSlope);
 float notNear=max(1.-2.*nearWeight,.0625-.0625*nearWeight);
 float farWeight=BokehLayerWeight(s,farSlope);
 float weight=notNear/(1.+BokehBrightest(pixel.rgb)*inverseBrightness);
-mid+=vec4(pixel.rgb,1.)*(weight*(1.-farWeight));
-far+=vec4(pixel.rgb,1.)*(weight*farWeight);}}
+midColor+=vec4(pixel.rgb,1.)*(weight*(1.-farWeight));
+farColor+=vec4(pixel.rgb,1.)*(weight*farWeight);}}
 vec2 center=middlePlace/float(BOKEH_LAYER_SCALE);
 vec2 layerCoC=BokehLayerCoC(LayerCoCSamp,layers);
 BokehDownsampled targets;
-targets.midWithHoles=mid/16.;
-targets.farWithHoles=far/16.;
+targets.midWithHoles=midColor/16.;
+targets.farWithHoles=farColor/16.;
 BokehBlur nearBlur=BokehLayerBlur(layerCoC,false,polygon);
 BokehBlur farBlur=BokehLayerBlur(layerCoC,true,polygon);
 targets.nearQuarter=BokehQuarterLayer(NearSamp,center,nearBlur.sideTap,layers);
@@ -945,8 +945,8 @@ vec2 outwards=BokehTurn(float(k),polygon);
 return BokehRotated(vec2(-outwards.y,outwards.x),polygon.axis);}
 int BokehSamplesPerEdge(int ring,BokehPolygon polygon){
 return int(max(6.*float(ring)/float(polygon.sides)+.5,1.));}
-vec2 BokehHoleWeights(vec4 middle,vec4 far,float inverseBrightness){
-return vec2(middle.a+BokehBrightest(middle.rgb)*inverseBrightness,far.a+BokehBrightest(far.rgb)*inverseBrightness);}
+vec2 BokehHoleWeights(vec4 midColor,vec4 farColor,float inverseBrightness){
+return vec2(midColor.a+BokehBrightest(midColor.rgb)*inverseBrightness,farColor.a+BokehBrightest(farColor.rgb)*inverseBrightness);}
 struct BokehFilled{
 vec4 midFill;
 vec4 farFill;
@@ -960,9 +960,9 @@ float inverseBrightness=exp2(-tile.b);
 vec2 corner=BokehRotated(polygon.corner,polygon.axis);
 vec2 direction=BokehEdgeDirection(1,polygon);
 vec2 turn=BokehTurn(1.,polygon);
-vec4 mid=BokehFetchGrid(MidSamp,center,grid);
-vec4 far=BokehFetchGrid(FarSamp,center,grid);
-vec2 weights=BokehHoleWeights(mid,far,inverseBrightness);
+vec4 midColor=BokehFetchGrid(MidSamp,center,grid);
+vec4 farColor=BokehFetchGrid(FarSamp,center,grid);
+vec2 weights=BokehHoleWeights(midColor,farColor,inverseBrightness);
 for(int ring=0;ring<3;ring++){
 if(nearCoC<6.){
 break;}
@@ -976,20 +976,20 @@ for(int i=0;i<onEdge;i++){
 vec2 place=center+corner*scale;
 vec4 midTexel=BokehFetchGrid(MidSamp,place,grid);
 vec4 farTexel=BokehFetchGrid(FarSamp,place,grid);
-mid+=midTexel*weight;
-far+=farTexel*weight;
+midColor+=midTexel*weight;
+farColor+=farTexel*weight;
 weights+=BokehHoleWeights(midTexel,farTexel,inverseBrightness)*weight;
 corner+=along;}
 direction=BokehRotated(direction,turn);}}
-vec3 both=(mid.rgb+far.rgb)/max(mid.a+far.a,.000001);
+vec3 both=(midColor.rgb+farColor.rgb)/max(midColor.a+farColor.a,.000001);
 float midWeight=weights.r/max(weights.r+weights.g,.000001);
 BokehFilled targets;
 targets.midFill=vec4(both,midWeight);
 targets.farFill=vec4(both,1.);
-if(mid.a>.000001){
-targets.midFill=vec4(mid.rgb/mid.a,midWeight);}
-if(far.a>.000001){
-targets.farFill=vec4(far.rgb/far.a,1.);}
+if(midColor.a>.000001){
+targets.midFill=vec4(midColor.rgb/midColor.a,midWeight);}
+if(farColor.a>.000001){
+targets.farFill=vec4(farColor.rgb/farColor.a,1.);}
 return targets;}
 vec4 BokehLayerLine(BOKEH_TEXTURE tex,BOKEH_TEXTURE QuarterSamp,int k,BokehPolygon polygon,bool secondPass,BokehBlur blur,BokehLayerContext layers){
 float scale=float(BOKEH_LAYER_SCALE);
@@ -1002,11 +1002,11 @@ float phase=.5+layers.jitter*min(blur.spacing-1.,1.);
 BokehGrid layerGrid=BokehLayerGrid(layers);
 vec2 first=(layers.uv*layerGrid.size+segment.xy-segment.zw)*(float(BOKEH_LAYER_SCALE)/scale);
 vec2 sampleStep=segment.zw*(2.*float(BOKEH_LAYER_SCALE)/(scale*samples));
-vec4 sum=vec4(0.,0.,0.,0.);
+vec4 sum=vec4(0.);
 for(int i=0;i<int(ceil(samples));i++){
 float part=clamp(samples-float(i),0.,1.);
 vec2 place=first+sampleStep*(float(i)+part*phase);
-vec4 texel=vec4(0.,0.,0.,0.);
+vec4 texel=vec4(0.);
 if(blur.useQuarterLayer){
 texel=BokehFetchGrid(QuarterSamp,place,grid);}
 else{
@@ -1022,7 +1022,7 @@ return (L1*w.x+L2*w.y+L3*w.z+L4*w.w)/(w.x+w.y+w.z+w.w);}
 BokehTargets BokehLayerFirst(BOKEH_TEXTURE LayerSamp,BOKEH_TEXTURE QuarterSamp,vec2 layerCoC,bool isFar,int last,BokehPolygon polygon,BokehLayerContext layers){
 BokehGrid grid=BokehLayerGrid(layers);
 vec2 center=layers.uv*grid.size;
-vec4 zero=vec4(0.,0.,0.,0.);
+vec4 zero=vec4(0.);
 BokehTargets targets;
 BokehBlur blur=BokehLayerBlur(layerCoC,isFar,polygon);
 if(blur.CoC>.51){
@@ -1049,7 +1049,7 @@ return targets;}
 vec4 BokehLayerSecond(BOKEH_TEXTURE Strip2Samp,BOKEH_TEXTURE Strip3Samp,BOKEH_TEXTURE Strip4Samp,BOKEH_TEXTURE Strip5Samp,vec2 layerCoC,bool isFar,BokehPolygon polygon,BokehLayerContext layers){
 BokehGrid grid=BokehLayerGrid(layers);
 vec2 center=layers.uv*grid.size;
-vec4 result=vec4(0.,0.,0.,0.);
+vec4 result=vec4(0.);
 BokehBlur blur=BokehLayerBlur(layerCoC,isFar,polygon);
 blur.useQuarterLayer=false;
 if(blur.CoC>.51){
@@ -1072,25 +1072,25 @@ vec4 farStrip3;
 };
 BokehLayersTargets BokehLayersFirst(BOKEH_TEXTURE NearSamp,BOKEH_TEXTURE NearQuarterSamp,BOKEH_TEXTURE FarSamp,BOKEH_TEXTURE FarQuarterSamp,vec2 layerCoC,BokehPolygon polygon,BokehLayerContext layers){
 int last=polygon.sides/2;
-BokehTargets near=BokehLayerFirst(NearSamp,NearQuarterSamp,layerCoC,false,last,polygon,layers);
-BokehTargets far=BokehLayerFirst(FarSamp,FarQuarterSamp,layerCoC,true,last,polygon,layers);
+BokehTargets nearTargets=BokehLayerFirst(NearSamp,NearQuarterSamp,layerCoC,false,last,polygon,layers);
+BokehTargets farTargets=BokehLayerFirst(FarSamp,FarQuarterSamp,layerCoC,true,last,polygon,layers);
 BokehLayersTargets targets;
-targets.nearStrip2=near.strip2;
-targets.farStrip2=far.strip2;
-targets.nearStrip3=near.strip3;
-targets.farStrip3=far.strip3;
+targets.nearStrip2=nearTargets.strip2;
+targets.farStrip2=farTargets.strip2;
+targets.nearStrip3=nearTargets.strip3;
+targets.farStrip3=farTargets.strip3;
 return targets;}
 struct BokehBlurred{
-vec4 near;
-vec4 far;
+vec4 nearLayer;
+vec4 farLayer;
 };
 BokehBlurred BokehLayersSecond(BOKEH_TEXTURE NearStrip2Samp,BOKEH_TEXTURE FarStrip2Samp,BOKEH_TEXTURE NearStrip3Samp,BOKEH_TEXTURE FarStrip3Samp,vec2 layerCoC,BokehPolygon polygon,BokehLayerContext layers){
 BokehBlurred targets;
-targets.near=BokehLayerSecond(NearStrip2Samp,NearStrip3Samp,NearStrip3Samp,NearStrip3Samp,layerCoC,false,polygon,layers);
-targets.far=BokehLayerSecond(FarStrip2Samp,FarStrip3Samp,FarStrip3Samp,FarStrip3Samp,layerCoC,true,polygon,layers);
+targets.nearLayer=BokehLayerSecond(NearStrip2Samp,NearStrip3Samp,NearStrip3Samp,NearStrip3Samp,layerCoC,false,polygon,layers);
+targets.farLayer=BokehLayerSecond(FarStrip2Samp,FarStrip3Samp,FarStrip3Samp,FarStrip3Samp,layerCoC,true,polygon,layers);
 return targets;}
 vec4 BokehFetchLayer(BOKEH_TEXTURE LayerSamp,vec2 place,BokehGrid grid){
-vec4 result=vec4(0.,0.,0.,0.);
+vec4 result=vec4(0.);
 if(BOKEH_LAYER_CUBIC>0){
 vec2 texel=floor(place-.5)+.5;
 vec2 f=place-texel;
@@ -1111,7 +1111,7 @@ else{
 result=BokehFetchGrid(LayerSamp,place,grid);}
 return result;}
 vec2 BokehSpreadInverse(vec2 CoC){
-vec2 inverse=1./max(CoC*CoC,vec2(.000001,.000001));
+vec2 inverse=1./max(CoC*CoC,vec2(.000001));
 return inverse*(inverse*(16.*.6)+4.);}
 struct BokehRingLayout{
 float radius;
@@ -1137,8 +1137,8 @@ float inner;
 BokehGather BokehGatherRing(BokehGather before,BOKEH_TEXTURE MapSamp,int ring,int onEdge,float outer,BokehPolygon polygon,BokehLayerContext layers){
 BokehGather gather=before;
 BokehGrid full=BokehFullGrid(layers);
-vec2 zero=vec2(0.,0.);
-vec2 one=vec2(1.,1.);
+vec2 zero=vec2(0.);
+vec2 one=vec2(1.);
 float outwards=.58-.04*float(BOKEH_LAYER_RINGS);
 float current=gather.inner+(outer-gather.inner)*outwards;
 float innerSquare=gather.inner*gather.inner;
@@ -1189,8 +1189,8 @@ gather=BokehGatherRing(gather,MapSamp,ring,BokehSamplesPerEdge(max(min(density,B
 return gather;}
 vec3 BokehOutline(BOKEH_TEXTURE MapSamp,vec2 center,vec4 pixel,vec3 farColor,float farSlope,BokehLayerContext layers){
 BokehGrid full=BokehFullGrid(layers);
-vec4 object=vec4(0.,0.,0.,0.);
-vec4 background=vec4(0.,0.,0.,0.);
+vec4 object=vec4(0.);
+vec4 background=vec4(0.);
 vec2 side=vec2(1.,0.);
 for(int i=0;i<2;i++){
 vec4 first=BokehFetchAround(MapSamp,center,side,full);
@@ -1198,7 +1198,7 @@ vec4 opposite=BokehFetchAround(MapSamp,center,-side,full);
 vec2 CoC=vec2(first.a,opposite.a)*full.size.y;
 vec2 change=abs(CoC-pixel.a*full.size.y);
 vec2 isFar=vec2(BokehLayerWeight(CoC.x,farSlope),BokehLayerWeight(CoC.y,farSlope));
-vec2 isObject=clamp(2.-change,vec2(0.,0.),vec2(1.,1.))*isFar.yx;
+vec2 isObject=clamp(2.-change,vec2(0.),vec2(1.))*isFar.yx;
 background+=vec4(first.rgb,1.)*isFar.x;
 background+=vec4(opposite.rgb,1.)*isFar.y;
 object+=vec4(first.rgb,1.)*isObject.x;
@@ -1220,7 +1220,7 @@ vec4 centerPixel=BokehFetchTexel(MapSamp,BokehToTexture(layers.uv));
 vec4 tile=BokehFetchGrid(GatherTilesSamp,center/8.,BokehReducedGrid(layers,8.));
 vec3 result=centerPixel.rgb;
 BokehGrid grid=BokehLayerGrid(layers);
-vec4 nearLayer=vec4(0.,0.,0.,0.);
+vec4 nearLayer=vec4(0.);
 if(BOKEH_SIDES>0&&tile.r>6.){
 nearLayer=BokehFetchLayer(NearSamp,center/float(BOKEH_LAYER_SCALE),grid);}
 if(max(tile.r,tile.g)>1.&&nearLayer.a*1.002<1.){
@@ -1257,7 +1257,7 @@ gather.bounds=1./vec2(radius*radius,gather.inner*gather.inner);
 float weight=(1.-nearWeight)*min(gather.inverse/gather.bounds.y,1.);
 gather.farFound=weight*farWeight;
 gather.sum=vec4(vec4((vec4(centerPixel.rgb,1.)))*(weight-gather.farFound));
-gather.front=vec4(0.,0.,0.,0.);
+gather.front=vec4(0.);
 gather.snapping=max(tile.r,tile.g-16.);
 float lastInner=radius;
 if(rings>denseRings){
@@ -1280,7 +1280,7 @@ if(float(ring)>denseRings){
 density=1;}
 float outer=min(BokehRingBorder(ring,ringLayout),radius);
 gather=BokehGatherRing(gather,MapSamp,ring,BokehSamplesPerEdge(density,polygon),outer,polygon,layers);}}
-vec4 farLayer=vec4(0.,0.,0.,0.);
+vec4 farLayer=vec4(0.);
 if(layerReach>10.){
 if(BOKEH_SIDES==0){
 nearLayer=BokehFetchLayer(NearSamp,center/float(BOKEH_LAYER_SCALE),grid);}
@@ -1303,7 +1303,7 @@ result=(front.rgb+(plain.rgb-front.rgb)*open)/(front.a+rest*open);}
 outline*=clamp(4.*farLayer.a,0.,1.);
 if(BOKEH_LAYER_OUTLINES>0&&outline>0.){
 vec3 change=BokehOutline(MapSamp,center,centerPixel,farColor,gather.slopes.y,layers);
-result=max(result+change*outline,vec3(0.,0.,0.));}
+result=max(result+change*outline,vec3(0.));}
 if(nearWeight>0.){
 vec4 midFill=BokehFetchGrid(MidFillSamp,.25*center,quarters);
 float inNear=nearLayer.a*min(2.-2.*nearWeight,1.);
@@ -1323,9 +1323,9 @@ return vec4(result,centerPixel.a);}
 #define BOKEH_LENS 1
 BokehPolygon BokehUpdatePolygon(BokehPolygon polygon){
 BokehPolygon closed=polygon;
-closed.mean=vec2(0.,0.);
+closed.mean=vec2(0.);
 closed.area=0.;
-vec2 begin=vec2(0.,0.);
+vec2 begin=vec2(0.);
 for(int i=1;i<=polygon.sides/2;i++){
 vec2 edge=BokehEdge(i,polygon);
 if(i<polygon.sides/2){
@@ -1352,7 +1352,7 @@ return .5*width*(1.-abs(dot(along,BokehTurn(float(k),polygon))));}
 float BokehCutLength(int k,BokehPolygon widths){
 float halfWidth=BokehEdgeLength(k,widths);
 int edges=widths.sides/2;
-vec2 ends=vec2(1.,1.);
+vec2 ends=vec2(1.);
 for(int i=1;i<edges;i++){
 vec2 turn=BokehTurn(float(i),widths);
 vec2 others=vec2(BokehEdgeLength(k-i+edges,widths),BokehEdgeLength(k+i,widths));
@@ -1361,11 +1361,11 @@ return max(ends.x+ends.y,.001);}
 BokehPolygon BokehWithCatsEye(BokehPolygon polygon,vec2 uv,vec2 imageSize,float amount){
 vec2 place=(uv-.5)*2.*imageSize/length(imageSize);
 vec2 along=BokehRotated(place,vec2(polygon.axis.x,-polygon.axis.y))*clamp(amount,0.,.9);
-BokehPolygon whole=polygon;
-whole.lengths*=clamp((polygon.lengths-.001)*100000.,vec4(0.,0.,0.,0.),vec4(1.,1.,1.,1.));
+BokehPolygon uncut=polygon;
+uncut.lengths*=clamp((polygon.lengths-.001)*100000.,vec4(0.),vec4(1.));
 BokehPolygon widths=polygon;
-widths.lengths=vec4(BokehHalfWidth(1,whole,along),BokehHalfWidth(2,whole,along),BokehHalfWidth(3,whole,along),BokehHalfWidth(4,whole,along));
-widths.fifth=BokehHalfWidth(5,whole,along);
+widths.lengths=vec4(BokehHalfWidth(1,uncut,along),BokehHalfWidth(2,uncut,along),BokehHalfWidth(3,uncut,along),BokehHalfWidth(4,uncut,along));
+widths.fifth=BokehHalfWidth(5,uncut,along);
 BokehPolygon result=polygon;
 result.lengths=vec4(BokehCutLength(1,widths),BokehCutLength(2,widths),BokehCutLength(3,widths),BokehCutLength(4,widths));
 result.fifth=BokehCutLength(5,widths);
@@ -1435,7 +1435,7 @@ var<private> BokehViewport:vec4f=vec4f(0.,0.,1.,1.);
 var<private> BokehViewportBounds:vec4f=vec4f(0.,0.,1.,1.);
 fn BokehSetViewport(viewport:vec4f,textureSize:vec2f){
 if(BOKEH_VIEWPORT>0){
-let inset=min(vec2f(.5078125,.5078125),viewport.zw*.5);
+let inset=min(vec2f(.5078125),viewport.zw*.5);
 BokehViewport=viewport/textureSize.xyxy;
 BokehViewportBounds=vec4f(viewport.xy+inset,viewport.xy+viewport.zw-inset) /
 textureSize.xyxy;}}
@@ -1524,7 +1524,7 @@ let rim=clamp((brightness*overDarkest-1.3) /
 let light=clamp(brightest.z*overDarkest/64.-1.,0.,1.);
 return vec4f(brightest.xy,dark,rim+rim*light);}
 fn BokehBrightNeighbor(ColorSamp:texture_2d<f32>,uv:vec2f,imageSize:vec2f)->vec4f{
-let pixel=1./max(imageSize,vec2f(1.,1.));
+let pixel=1./max(imageSize,vec2f(1.));
 let right=vec2f(pixel.x,0.);
 let below=vec2f(0.,pixel.y);
 let brightest=BokehLightBeside(BokehFetchTexel(ColorSamp,BokehToTexture(uv)),BokehFetchTexel(ColorSamp,BokehToTexture(uv+right)),BokehFetchTexel(ColorSamp,BokehToTexture(uv-right)),BokehFetchTexel(ColorSamp,BokehToTexture(uv+below)),BokehFetchTexel(ColorSamp,BokehToTexture(uv-below)));
@@ -1620,7 +1620,7 @@ return vec2f(-outwards.y,outwards.x)*BokehEdgeLength(k,polygon);}
 fn BokehEdgeLine(k:i32,polygon:BokehPolygon,secondPass:bool)->vec4f{
 let halfEdge=BokehEdge(k,polygon)*.5;
 var middle=polygon.corner-polygon.mean+halfEdge;
-let before=clamp(f32(k)-vec4f(1.,2.,3.,4.),vec4f(0.,0.,0.,0.),vec4f(1.,1.,1.,1.));
+let before=clamp(f32(k)-vec4f(1.,2.,3.,4.),vec4f(0.),vec4f(1.));
 middle+=BokehEdge(1,polygon)*before.x+BokehEdge(2,polygon)*before.y+BokehEdge(3,polygon)*before.z+BokehEdge(4,polygon)*before.w;
 if(secondPass){
 middle = -middle-polygon.corner;}
@@ -1628,10 +1628,10 @@ let segment=vec4f(BokehRotated(middle,polygon.axis),BokehRotated(halfEdge,polygo
 return segment*vec4f(polygon.squeeze,1.,polygon.squeeze,1.);}
 fn BokehEdgeWeights(k:i32,polygon:BokehPolygon)->vec4f{
 let angle=6.28318531/f32(polygon.sides);
-let steps=max(vec4f(f32(k)-1.,f32(k)-2.,f32(k)-3.,f32(k)-4.),vec4f(0.,0.,0.,0.));
-return max(sin(steps*angle),vec4f(0.,0.,0.,0.))*polygon.lengths;}
+let steps=max(vec4f(f32(k)-1.,f32(k)-2.,f32(k)-3.,f32(k)-4.),vec4f(0.));
+return max(sin(steps*angle),vec4f(0.))*polygon.lengths;}
 fn BokehEdgeArea(k:i32,polygon:BokehPolygon)->f32{
-return dot(BokehEdgeWeights(k,polygon),vec4f(1.,1.,1.,1.))*BokehEdgeLength(k,polygon);}
+return dot(BokehEdgeWeights(k,polygon),vec4f(1.))*BokehEdgeLength(k,polygon);}
 fn BokehRay(k:i32,polygon:BokehPolygon,secondPass:bool)->vec4f{
 var halfEdge=BokehEdge(k,polygon) * -.5;
 if(k==2){
@@ -1650,7 +1650,7 @@ return vec2f(reached/max(part,.25),reached);}
 struct BokehLine{
 sum:vec4f,reached:f32,}
 fn BokehLineSum(tex:texture_2d<f32>,uv:vec2f,k:i32,polygon:BokehPolygon,secondPass:bool,rays:bool,centerPixel:vec4f,settings:BokehSamplingSettings,BokehLinearClamp:sampler)->BokehLine{
-var sum=vec4f(0.,0.,0.,0.);
+var sum=vec4f(0.);
 var reached=0.;
 let centerCoC=centerPixel.a;
 let CoC=BokehFilterCoC(abs(centerCoC),settings.imageHeight);
@@ -1711,7 +1711,7 @@ if(last<4){
 rays=polygon.sides==6;}
 let L1=BokehLineSum(MapSamp,uv,1,polygon,false,rays,centerPixel,settings,BokehLinearClamp);
 var L2:BokehLine;
-L2.sum=vec4f(0.,0.,0.,0.);
+L2.sum=vec4f(0.);
 L2.reached=0.;
 var L3=L2;
 var L4=L2;
@@ -1788,7 +1788,7 @@ return result;}
 fn BokehDepthOfField(ColorSamp:texture_2d<f32>,DepthSamp:BokehDepthTexture,uv:vec2f,lineEnd:vec2f,settings:BokehSamplingSettings,blurCoC:bool,BokehLinearClamp:sampler)->vec4f{
 let centerPixel=BokehFetch(ColorSamp,uv,BokehLinearClamp);
 let centerDepth=BokehPaperDepth(DepthSamp,uv);
-var color=vec4f(0.,0.,0.,0.);
+var color=vec4f(0.);
 var totalWeight=0.;
 for(var i=0;i<BOKEH_PAPER_SAMPLES;i++){
 let offset=BokehMakeOffsets(lineEnd,i,BOKEH_PAPER_SAMPLES);
@@ -1811,7 +1811,7 @@ let phase=.5+settings.jitter*clamp(lengthInPixels/samples-1.,0.,1.);
 let scale=vec2f(CoC/settings.aspectRatio,CoC);
 let first=uv+(segment.xy-segment.zw)*scale;
 let sampleStep=segment.zw*scale*(2./samples);
-var color=vec4f(0.,0.,0.,0.);
+var color=vec4f(0.);
 var totalWeight=0.;
 for(var i=0;i<BOKEH_NUM_SAMPLES;i++){
 if(BOKEH_SPACING>0.&&f32(i)>=samples){
@@ -1837,7 +1837,7 @@ fn BokehNaiveGather(ColorSamp:texture_2d<f32>,DepthSamp:BokehDepthTexture,Kernel
 let centerPixel=BokehFetch(ColorSamp,uv,BokehLinearClamp);
 let centerDepth=BokehPaperDepth(DepthSamp,uv);
 let scale=vec2f(centerPixel.a/settings.aspectRatio,centerPixel.a);
-var color=vec4f(0.,0.,0.,0.);
+var color=vec4f(0.);
 var totalWeight=0.;
 for(var i=0;i<BOKEH_PAPER_SAMPLES;i++){
 let offset=BokehFetchTexel(KernelSamp,vec2f((f32(i)+.5) /
@@ -1852,7 +1852,7 @@ return BokehResolve(color,totalWeight,centerPixel,blurCoC);}
 fn BokehNaiveGrid(ColorSamp:texture_2d<f32>,DepthSamp:BokehDepthTexture,uv:vec2f,lineEndU:vec2f,lineEndV:vec2f,settings:BokehSamplingSettings,blurCoC:bool,BokehLinearClamp:sampler)->vec4f{
 let centerPixel=BokehFetch(ColorSamp,uv,BokehLinearClamp);
 let centerDepth=BokehPaperDepth(DepthSamp,uv);
-var color=vec4f(0.,0.,0.,0.);
+var color=vec4f(0.);
 var totalWeight=0.;
 for(var j=0;j<BOKEH_PAPER_SAMPLES;j++){
 let rowOffset=BokehMakeOffsets(lineEndV,j,BOKEH_PAPER_SAMPLES);
@@ -1881,7 +1881,7 @@ fn BokehMakeLayerContext(uv:vec2f,imageSize:vec2f,maxCoC:f32)->BokehLayerContext
 var layers:BokehLayerContext;
 layers.uv=uv;
 layers.size=imageSize;
-layers.origin=vec2f(0.,0.);
+layers.origin=vec2f(0.);
 layers.texel=1./imageSize;
 layers.largest=maxCoC*imageSize.y;
 layers.jitter=0.;
@@ -1905,7 +1905,7 @@ return BokehReducedGrid(layers,f32(BOKEH_LAYER_SCALE));}
 fn BokehGridCoords(place:vec2f,grid:BokehGrid)->vec2f{
 var coords=place;
 if(BOKEH_VIEWPORT>0){
-let inset=min(vec2f(.5078125,.5078125),grid.size*.5);
+let inset=min(vec2f(.5078125),grid.size*.5);
 coords=grid.origin+clamp(place,inset,grid.size-inset);}
 return coords*grid.texel;}
 fn BokehFetchGrid(tex:texture_2d<f32>,place:vec2f,grid:BokehGrid,BokehLinearClamp:sampler)->vec4f{
@@ -1927,8 +1927,8 @@ return BokehLayerSlope(largest,10.,16.);}
 fn BokehLayerWeight(CoC:f32,slope:f32)->f32{
 return clamp(CoC*slope-2.,0.,1.);}
 fn BokehTileMax(MapSamp:texture_2d<f32>,layers:BokehLayerContext,BokehLinearClamp:sampler)->vec4f{
-let first=floor(layers.uv*ceil(layers.size/8.))*8.+vec2f(.5,.5);
-var found=vec3f(0.,0.,0.);
+let first=floor(layers.uv*ceil(layers.size/8.))*8.+vec2f(.5);
+var found=vec3f(0.);
 for(var y=0;y<8;y++){
 for(var x=0;x<8;x++){
 let place=first+vec2f(f32(x),f32(y));
@@ -1938,14 +1938,14 @@ let logBrightness=log2(max(BokehBrightest(pixel.rgb),BOKEH_MIN_BRIGHTNESS));
 found=vec3f(max(found.r,-s),max(found.g,s),found.b+logBrightness);}}
 return vec4f(min(found.r,BOKEH_MAX_COLOR),min(found.g,BOKEH_MAX_COLOR),found.b/64.,1.);}
 fn BokehReaching(CoC:vec2f,tiles:f32)->vec2f{
-let share=CoC/16.+1.-max(tiles-2.,0.);
-return CoC*clamp(share,vec2f(0.,0.),vec2f(1.,1.));}
+let weight=CoC/16.+1.-max(tiles-2.,0.);
+return CoC*clamp(weight,vec2f(0.),vec2f(1.));}
 fn BokehReachTiles(layers:BokehLayerContext)->f32{
 return min(ceil(layers.largest/16.)+2.,127.);}
 fn BokehTileDilate(TilesSamp:texture_2d<f32>,axis:vec2f,layers:BokehLayerContext,BokehLinearClamp:sampler)->vec4f{
 let grid=BokehReducedGrid(layers,8.);
 let radius=BokehReachTiles(layers);
-var found=vec2f(0.,0.);
+var found=vec2f(0.);
 var logBrightness=0.;
 for(var i=0;i<255;i++){
 let tiles=f32(i)-radius;
@@ -1961,7 +1961,7 @@ return min(.01+brightest*inverseBrightness,vec4f(maxWeight,maxWeight,maxWeight,m
 struct BokehPrefiltered{
 nearLayer:vec4f,farLayer:vec4f,layerCoCSums:vec4f,gatherCoC:vec4f,}
 fn BokehLayerWeights(CoC:vec4f,slope:f32)->vec4f{
-return clamp(CoC*slope-2.,vec4f(0.,0.,0.,0.),vec4f(1.,1.,1.,1.));}
+return clamp(CoC*slope-2.,vec4f(0.),vec4f(1.));}
 fn BokehSurroundings(found:vec4f,pixel:vec4f,nearWeight:f32,maxNearWeight:f32)->vec4f{
 var result=vec4f(min(found.rgb,pixel.rgb),found.a);
 if(nearWeight<.5*maxNearWeight){
@@ -1985,19 +1985,19 @@ let maxWeight=500000./max(layers.largest,50.);
 var a=BokehFetchGrid(MapSamp,middle+vec2f(-.5,-.5),full,BokehLinearClamp);
 var b=BokehFetchGrid(MapSamp,middle+vec2f(.5,-.5),full,BokehLinearClamp);
 var c=BokehFetchGrid(MapSamp,middle+vec2f(-.5,.5),full,BokehLinearClamp);
-var d=BokehFetchGrid(MapSamp,middle+vec2f(.5,.5),full,BokehLinearClamp);
+var d=BokehFetchGrid(MapSamp,middle+vec2f(.5),full,BokehLinearClamp);
 let s=vec4f(a.a,b.a,c.a,d.a)*full.size.y;
 let nearWeights=BokehLayerWeights(-s,nearSlope);
 let farWeights=BokehLayerWeights(s,farSlope);
 let farSum=vec4f(a.rgb,1.)*farWeights.x+vec4f(b.rgb,1.)*farWeights.y+vec4f(c.rgb,1.)*farWeights.z+vec4f(d.rgb,1.)*farWeights.w;
 var weights=farWeights*BokehBlurWeights(a,b,c,d,inverseBrightness,maxWeight);
-let one=vec4f(1.,1.,1.,1.);
+let one=vec4f(1.);
 var sums=vec4f(0.,0.,dot(weights,s)/8.,dot(weights,one));
 let nearGather = -s*min(4.-4.*nearWeights,one);
 let farGather=s*min(4.-4.*farWeights,one);
 let gatherCoC=max(max(vec2f(nearGather.x,farGather.x),vec2f(nearGather.y,farGather.y)),max(vec2f(nearGather.z,farGather.z),vec2f(nearGather.w,farGather.w)));
 let maxNearWeight=max(max(nearWeights.x,nearWeights.y),max(nearWeights.z,nearWeights.w));
-var nearSum=vec4f(0.,0.,0.,0.);
+var nearSum=vec4f(0.);
 if(maxNearWeight>0.){
 var around=vec4f(BOKEH_MAX_COLOR,BOKEH_MAX_COLOR,BOKEH_MAX_COLOR,0.);
 around=BokehSurroundings(around,a,nearWeights.x,maxNearWeight);
@@ -2022,7 +2022,7 @@ targets.nearLayer=nearSum*.25;
 targets.farLayer=farSum*.25;
 let maxValue=BOKEH_MAX_COLOR;
 targets.layerCoCSums=min(sums*.25,vec4f(maxValue,maxValue,maxValue,maxValue));
-targets.gatherCoC=vec4f(clamp(gatherCoC,vec2f(0.,0.),vec2f(maxValue,maxValue)),0.,1.);
+targets.gatherCoC=vec4f(clamp(gatherCoC,vec2f(0.),vec2f(maxValue,maxValue)),0.,1.);
 return targets;}
 fn BokehPrefilter(MapSamp:texture_2d<f32>,DilatedTilesSamp:texture_2d<f32>,layers:BokehLayerContext,BokehLinearClamp:sampler)->BokehPrefiltered{
 let grid=BokehLayerGrid(layers);
@@ -2048,9 +2048,9 @@ gatherCoC:vec4f,sums:vec4f,}
 fn BokehLayerCoCReduce(SumsSamp:texture_2d<f32>,GatherCoCSamp:texture_2d<f32>,layers:BokehLayerContext,BokehLinearClamp:sampler)->BokehTileSums{
 let grid=BokehLayerGrid(layers);
 let texels=8/BOKEH_LAYER_SCALE;
-let first=floor(layers.uv*ceil(layers.size/8.))*f32(texels)+vec2f(.5,.5);
-var sums=vec4f(0.,0.,0.,0.);
-var gatherCoC=vec2f(0.,0.);
+let first=floor(layers.uv*ceil(layers.size/8.))*f32(texels)+vec2f(.5);
+var sums=vec4f(0.);
+var gatherCoC=vec2f(0.);
 for(var y=0;y<texels;y++){
 for(var x=0;x<texels;x++){
 let place=first+vec2f(f32(x),f32(y));
@@ -2063,11 +2063,11 @@ return targets;}
 fn BokehLayerCoCAlong(GatherCoCSamp:texture_2d<f32>,SumsSamp:texture_2d<f32>,DilatedTilesSamp:texture_2d<f32>,axis:vec2f,layers:BokehLayerContext,BokehLinearClamp:sampler)->BokehTileSums{
 let grid=BokehReducedGrid(layers,8.);
 let tile=BokehFetchGrid(DilatedTilesSamp,layers.uv*grid.size,grid,BokehLinearClamp).rg;
-let sigma=max(tile*.0375,vec2f(.6,.6));
+let sigma=max(tile*.0375,vec2f(.6));
 let radius=BokehReachTiles(layers);
-var sums=vec4f(0.,0.,0.,0.);
-var gatherCoC=vec2f(0.,0.);
-var total=vec2f(0.,0.);
+var sums=vec4f(0.);
+var gatherCoC=vec2f(0.);
+var total=vec2f(0.);
 for(var i=0;i<255;i++){
 let tiles=f32(i)-radius;
 if(tiles>radius){
@@ -2090,7 +2090,7 @@ let grid=BokehReducedGrid(layers,8.);
 let tile=BokehFetchGrid(DilatedTilesSamp,layers.uv*grid.size,grid,BokehLinearClamp).rg;
 let tileSums=BokehLayerCoCAlong(GatherCoCSamp,SumsSamp,DilatedTilesSamp,vec2f(0.,1.),layers,BokehLinearClamp);
 let sums=tileSums.sums;
-var layerCoC=vec2f(0.,0.);
+var layerCoC=vec2f(0.);
 if(sums.g>.0001&&tile.r>6.){
 layerCoC=vec2f(8.*sums.r/sums.g,0.);}
 if(sums.a>.0001&&tile.g>10.){
@@ -2129,7 +2129,7 @@ blur.spacing=max(spacing,1.);
 return blur;}
 fn BokehQuarterLayer(LayerSamp:texture_2d<f32>,center:vec2f,side:f32,layers:BokehLayerContext,BokehLinearClamp:sampler)->vec4f{
 let grid=BokehLayerGrid(layers);
-var sum=vec4f(0.,0.,0.,0.);
+var sum=vec4f(0.);
 if(side>0.){
 for(var y=0;y<3;y++){
 for(var x=0;x<3;x++){
@@ -2144,14 +2144,14 @@ struct BokehDownsampled{
 midWithHoles:vec4f,farWithHoles:vec4f,nearQuarter:vec4f,farQuarter:vec4f,}
 fn BokehDownsample(MapSamp:texture_2d<f32>,DilatedTilesSamp:texture_2d<f32>,NearSamp:texture_2d<f32>,FarSamp:texture_2d<f32>,LayerCoCSamp:texture_2d<f32>,polygon:BokehPolygon,layers:BokehLayerContext,BokehLinearClamp:sampler)->BokehDownsampled{
 let full=BokehFullGrid(layers);
-let first=floor(layers.uv*ceil(layers.size/4.))*4.+vec2f(.5,.5);
-let middlePlace=first+vec2f(1.5,1.5);
+let first=floor(layers.uv*ceil(layers.size/4.))*4.+vec2f(.5);
+let middlePlace=first+vec2f(1.5);
 let tile=BokehFetchGrid(DilatedTilesSamp,middlePlace/8.,BokehReducedGrid(layers,8.),BokehLinearClamp);
 let nearSlope=BokehNearSlope(tile.r);
 let farSlope=BokehFarSlope(tile.g);
 let inverseBrightness=exp2(-tile.b);
-var mid=vec4f(0.,0.,0.,0.);
-var far=vec4f(0.,0.,0.,0.);
+var midColor=vec4f(0.);
+var farColor=vec4f(0.);
 for(var y=0;y<4;y++){
 for(var x=0;x<4;x++){
 let place=first+vec2f(f32(x),f32(y));
@@ -2161,13 +2161,13 @@ let nearWeight=BokehLayerWeight(-s,nearSlope);
 let notNear=max(1.-2.*nearWeight,.0625-.0625*nearWeight);
 let farWeight=BokehLayerWeight(s,farSlope);
 let weight=notNear/(1.+BokehBrightest(pixel.rgb)*inverseBrightness);
-mid+=vec4f(pixel.rgb,1.)*(weight*(1.-farWeight));
-far+=vec4f(pixel.rgb,1.)*(weight*farWeight);}}
+midColor+=vec4f(pixel.rgb,1.)*(weight*(1.-farWeight));
+farColor+=vec4f(pixel.rgb,1.)*(weight*farWeight);}}
 let center=middlePlace/f32(BOKEH_LAYER_SCALE);
 let layerCoC=BokehLayerCoC(LayerCoCSamp,layers,BokehLinearClamp);
 var targets:BokehDownsampled;
-targets.midWithHoles=mid/16.;
-targets.farWithHoles=far/16.;
+targets.midWithHoles=midColor/16.;
+targets.farWithHoles=farColor/16.;
 let nearBlur=BokehLayerBlur(layerCoC,false,polygon);
 let farBlur=BokehLayerBlur(layerCoC,true,polygon);
 targets.nearQuarter=BokehQuarterLayer(NearSamp,center,nearBlur.sideTap,layers,BokehLinearClamp);
@@ -2178,8 +2178,8 @@ let outwards=BokehTurn(f32(k),polygon);
 return BokehRotated(vec2f(-outwards.y,outwards.x),polygon.axis);}
 fn BokehSamplesPerEdge(ring:i32,polygon:BokehPolygon)->i32{
 return i32(max(6.*f32(ring)/f32(polygon.sides)+.5,1.));}
-fn BokehHoleWeights(middle:vec4f,far:vec4f,inverseBrightness:f32)->vec2f{
-return vec2f(middle.a+BokehBrightest(middle.rgb)*inverseBrightness,far.a+BokehBrightest(far.rgb)*inverseBrightness);}
+fn BokehHoleWeights(midColor:vec4f,farColor:vec4f,inverseBrightness:f32)->vec2f{
+return vec2f(midColor.a+BokehBrightest(midColor.rgb)*inverseBrightness,farColor.a+BokehBrightest(farColor.rgb)*inverseBrightness);}
 struct BokehFilled{
 midFill:vec4f,farFill:vec4f,}
 fn BokehHoleFill(MidSamp:texture_2d<f32>,FarSamp:texture_2d<f32>,DilatedTilesSamp:texture_2d<f32>,polygon:BokehPolygon,layers:BokehLayerContext,BokehLinearClamp:sampler)->BokehFilled{
@@ -2191,9 +2191,9 @@ let inverseBrightness=exp2(-tile.b);
 var corner=BokehRotated(polygon.corner,polygon.axis);
 var direction=BokehEdgeDirection(1,polygon);
 let turn=BokehTurn(1.,polygon);
-var mid=BokehFetchGrid(MidSamp,center,grid,BokehLinearClamp);
-var far=BokehFetchGrid(FarSamp,center,grid,BokehLinearClamp);
-var weights=BokehHoleWeights(mid,far,inverseBrightness);
+var midColor=BokehFetchGrid(MidSamp,center,grid,BokehLinearClamp);
+var farColor=BokehFetchGrid(FarSamp,center,grid,BokehLinearClamp);
+var weights=BokehHoleWeights(midColor,farColor,inverseBrightness);
 for(var ring=0;ring<3;ring++){
 if(nearCoC<6.){
 break;}
@@ -2207,20 +2207,20 @@ for(var i=0;i<onEdge;i++){
 let place=center+corner*scale;
 let midTexel=BokehFetchGrid(MidSamp,place,grid,BokehLinearClamp);
 let farTexel=BokehFetchGrid(FarSamp,place,grid,BokehLinearClamp);
-mid+=midTexel*weight;
-far+=farTexel*weight;
+midColor+=midTexel*weight;
+farColor+=farTexel*weight;
 weights+=BokehHoleWeights(midTexel,farTexel,inverseBrightness)*weight;
 corner+=along;}
 direction=BokehRotated(direction,turn);}}
-let both=(mid.rgb+far.rgb)/max(mid.a+far.a,.000001);
+let both=(midColor.rgb+farColor.rgb)/max(midColor.a+farColor.a,.000001);
 let midWeight=weights.r/max(weights.r+weights.g,.000001);
 var targets:BokehFilled;
 targets.midFill=vec4f(both,midWeight);
 targets.farFill=vec4f(both,1.);
-if(mid.a>.000001){
-targets.midFill=vec4f(mid.rgb/mid.a,midWeight);}
-if(far.a>.000001){
-targets.farFill=vec4f(far.rgb/far.a,1.);}
+if(midColor.a>.000001){
+targets.midFill=vec4f(midColor.rgb/midColor.a,midWeight);}
+if(farColor.a>.000001){
+targets.farFill=vec4f(farColor.rgb/farColor.a,1.);}
 return targets;}
 fn BokehLayerLine(tex:texture_2d<f32>,QuarterSamp:texture_2d<f32>,k:i32,polygon:BokehPolygon,secondPass:bool,blur:BokehBlur,layers:BokehLayerContext,BokehLinearClamp:sampler)->vec4f{
 var scale=f32(BOKEH_LAYER_SCALE);
@@ -2233,11 +2233,11 @@ let phase=.5+layers.jitter*min(blur.spacing-1.,1.);
 let layerGrid=BokehLayerGrid(layers);
 let first=(layers.uv*layerGrid.size+segment.xy-segment.zw)*(f32(BOKEH_LAYER_SCALE)/scale);
 let sampleStep=segment.zw*(2.*f32(BOKEH_LAYER_SCALE)/(scale*samples));
-var sum=vec4f(0.,0.,0.,0.);
+var sum=vec4f(0.);
 for(var i=0;i<i32(ceil(samples));i++){
 let part=clamp(samples-f32(i),0.,1.);
 let place=first+sampleStep*(f32(i)+part*phase);
-var texel=vec4f(0.,0.,0.,0.);
+var texel=vec4f(0.);
 if(blur.useQuarterLayer){
 texel=BokehFetchGrid(QuarterSamp,place,grid,BokehLinearClamp);}
 else{
@@ -2253,7 +2253,7 @@ return (L1*w.x+L2*w.y+L3*w.z+L4*w.w)/(w.x+w.y+w.z+w.w);}
 fn BokehLayerFirst(LayerSamp:texture_2d<f32>,QuarterSamp:texture_2d<f32>,layerCoC:vec2f,isFar:bool,last:i32,polygon:BokehPolygon,layers:BokehLayerContext,BokehLinearClamp:sampler)->BokehTargets{
 let grid=BokehLayerGrid(layers);
 let center=layers.uv*grid.size;
-let zero=vec4f(0.,0.,0.,0.);
+let zero=vec4f(0.);
 var targets:BokehTargets;
 let blur=BokehLayerBlur(layerCoC,isFar,polygon);
 if(blur.CoC>.51){
@@ -2280,7 +2280,7 @@ return targets;}
 fn BokehLayerSecond(Strip2Samp:texture_2d<f32>,Strip3Samp:texture_2d<f32>,Strip4Samp:texture_2d<f32>,Strip5Samp:texture_2d<f32>,layerCoC:vec2f,isFar:bool,polygon:BokehPolygon,layers:BokehLayerContext,BokehLinearClamp:sampler)->vec4f{
 let grid=BokehLayerGrid(layers);
 let center=layers.uv*grid.size;
-var result=vec4f(0.,0.,0.,0.);
+var result=vec4f(0.);
 var blur=BokehLayerBlur(layerCoC,isFar,polygon);
 blur.useQuarterLayer=false;
 if(blur.CoC>.51){
@@ -2299,23 +2299,23 @@ struct BokehLayersTargets{
 nearStrip2:vec4f,farStrip2:vec4f,nearStrip3:vec4f,farStrip3:vec4f,}
 fn BokehLayersFirst(NearSamp:texture_2d<f32>,NearQuarterSamp:texture_2d<f32>,FarSamp:texture_2d<f32>,FarQuarterSamp:texture_2d<f32>,layerCoC:vec2f,polygon:BokehPolygon,layers:BokehLayerContext,BokehLinearClamp:sampler)->BokehLayersTargets{
 let last=polygon.sides/2;
-let near=BokehLayerFirst(NearSamp,NearQuarterSamp,layerCoC,false,last,polygon,layers,BokehLinearClamp);
-let far=BokehLayerFirst(FarSamp,FarQuarterSamp,layerCoC,true,last,polygon,layers,BokehLinearClamp);
+let nearTargets=BokehLayerFirst(NearSamp,NearQuarterSamp,layerCoC,false,last,polygon,layers,BokehLinearClamp);
+let farTargets=BokehLayerFirst(FarSamp,FarQuarterSamp,layerCoC,true,last,polygon,layers,BokehLinearClamp);
 var targets:BokehLayersTargets;
-targets.nearStrip2=near.strip2;
-targets.farStrip2=far.strip2;
-targets.nearStrip3=near.strip3;
-targets.farStrip3=far.strip3;
+targets.nearStrip2=nearTargets.strip2;
+targets.farStrip2=farTargets.strip2;
+targets.nearStrip3=nearTargets.strip3;
+targets.farStrip3=farTargets.strip3;
 return targets;}
 struct BokehBlurred{
-near:vec4f,far:vec4f,}
+nearLayer:vec4f,farLayer:vec4f,}
 fn BokehLayersSecond(NearStrip2Samp:texture_2d<f32>,FarStrip2Samp:texture_2d<f32>,NearStrip3Samp:texture_2d<f32>,FarStrip3Samp:texture_2d<f32>,layerCoC:vec2f,polygon:BokehPolygon,layers:BokehLayerContext,BokehLinearClamp:sampler)->BokehBlurred{
 var targets:BokehBlurred;
-targets.near=BokehLayerSecond(NearStrip2Samp,NearStrip3Samp,NearStrip3Samp,NearStrip3Samp,layerCoC,false,polygon,layers,BokehLinearClamp);
-targets.far=BokehLayerSecond(FarStrip2Samp,FarStrip3Samp,FarStrip3Samp,FarStrip3Samp,layerCoC,true,polygon,layers,BokehLinearClamp);
+targets.nearLayer=BokehLayerSecond(NearStrip2Samp,NearStrip3Samp,NearStrip3Samp,NearStrip3Samp,layerCoC,false,polygon,layers,BokehLinearClamp);
+targets.farLayer=BokehLayerSecond(FarStrip2Samp,FarStrip3Samp,FarStrip3Samp,FarStrip3Samp,layerCoC,true,polygon,layers,BokehLinearClamp);
 return targets;}
 fn BokehFetchLayer(LayerSamp:texture_2d<f32>,place:vec2f,grid:BokehGrid,BokehLinearClamp:sampler)->vec4f{
-var result=vec4f(0.,0.,0.,0.);
+var result=vec4f(0.);
 if(BOKEH_LAYER_CUBIC>0){
 let texel=floor(place-.5)+.5;
 let f=place-texel;
@@ -2336,7 +2336,7 @@ else{
 result=BokehFetchGrid(LayerSamp,place,grid,BokehLinearClamp);}
 return result;}
 fn BokehSpreadInverse(CoC:vec2f)->vec2f{
-let inverse=1./max(CoC*CoC,vec2f(.000001,.000001));
+let inverse=1./max(CoC*CoC,vec2f(.000001));
 return inverse*(inverse*(16.*.6)+4.);}
 struct BokehRingLayout{
 radius:f32,spacing:f32,narrowing:f32,}
@@ -2348,8 +2348,8 @@ sum:vec4f,front:vec4f,farFound:f32,center:vec2f,s:f32,inverse:f32,nearWeight:f32
 fn BokehGatherRing(before:BokehGather,MapSamp:texture_2d<f32>,ring:i32,onEdge:i32,outer:f32,polygon:BokehPolygon,layers:BokehLayerContext,BokehLinearClamp:sampler)->BokehGather{
 var gather=before;
 let full=BokehFullGrid(layers);
-let zero=vec2f(0.,0.);
-let one=vec2f(1.,1.);
+let zero=vec2f(0.);
+let one=vec2f(1.);
 let outwards=.58-.04*f32(BOKEH_LAYER_RINGS);
 let current=gather.inner+(outer-gather.inner)*outwards;
 let innerSquare=gather.inner*gather.inner;
@@ -2400,8 +2400,8 @@ gather=BokehGatherRing(gather,MapSamp,ring,BokehSamplesPerEdge(max(min(density,B
 return gather;}
 fn BokehOutline(MapSamp:texture_2d<f32>,center:vec2f,pixel:vec4f,farColor:vec3f,farSlope:f32,layers:BokehLayerContext,BokehLinearClamp:sampler)->vec3f{
 let full=BokehFullGrid(layers);
-var object=vec4f(0.,0.,0.,0.);
-var background=vec4f(0.,0.,0.,0.);
+var object=vec4f(0.);
+var background=vec4f(0.);
 var side=vec2f(1.,0.);
 for(var i=0;i<2;i++){
 let first=BokehFetchAround(MapSamp,center,side,full,BokehLinearClamp);
@@ -2409,7 +2409,7 @@ let opposite=BokehFetchAround(MapSamp,center,-side,full,BokehLinearClamp);
 let CoC=vec2f(first.a,opposite.a)*full.size.y;
 let change=abs(CoC-pixel.a*full.size.y);
 let isFar=vec2f(BokehLayerWeight(CoC.x,farSlope),BokehLayerWeight(CoC.y,farSlope));
-let isObject=clamp(2.-change,vec2f(0.,0.),vec2f(1.,1.))*isFar.yx;
+let isObject=clamp(2.-change,vec2f(0.),vec2f(1.))*isFar.yx;
 background+=vec4f(first.rgb,1.)*isFar.x;
 background+=vec4f(opposite.rgb,1.)*isFar.y;
 object+=vec4f(first.rgb,1.)*isObject.x;
@@ -2431,7 +2431,7 @@ let centerPixel=BokehFetchTexel(MapSamp,BokehToTexture(layers.uv));
 let tile=BokehFetchGrid(GatherTilesSamp,center/8.,BokehReducedGrid(layers,8.),BokehLinearClamp);
 var result=centerPixel.rgb;
 let grid=BokehLayerGrid(layers);
-var nearLayer=vec4f(0.,0.,0.,0.);
+var nearLayer=vec4f(0.);
 if(BOKEH_SIDES>0&&tile.r>6.){
 nearLayer=BokehFetchLayer(NearSamp,center/f32(BOKEH_LAYER_SCALE),grid,BokehLinearClamp);}
 if(max(tile.r,tile.g)>1.&&nearLayer.a*1.002<1.){
@@ -2468,7 +2468,7 @@ gather.bounds=1./vec2f(radius*radius,gather.inner*gather.inner);
 let weight=(1.-nearWeight)*min(gather.inverse/gather.bounds.y,1.);
 gather.farFound=weight*farWeight;
 gather.sum=vec4f(vec4f((vec4f(centerPixel.rgb,1.)))*(weight-gather.farFound));
-gather.front=vec4f(0.,0.,0.,0.);
+gather.front=vec4f(0.);
 gather.snapping=max(tile.r,tile.g-16.);
 var lastInner=radius;
 if(rings>denseRings){
@@ -2491,7 +2491,7 @@ if(f32(ring)>denseRings){
 density=1;}
 let outer=min(BokehRingBorder(ring,ringLayout),radius);
 gather=BokehGatherRing(gather,MapSamp,ring,BokehSamplesPerEdge(density,polygon),outer,polygon,layers,BokehLinearClamp);}}
-var farLayer=vec4f(0.,0.,0.,0.);
+var farLayer=vec4f(0.);
 if(layerReach>10.){
 if(BOKEH_SIDES==0){
 nearLayer=BokehFetchLayer(NearSamp,center/f32(BOKEH_LAYER_SCALE),grid,BokehLinearClamp);}
@@ -2514,7 +2514,7 @@ result=(front.rgb+(plain.rgb-front.rgb)*open)/(front.a+rest*open);}
 outline*=clamp(4.*farLayer.a,0.,1.);
 if(BOKEH_LAYER_OUTLINES>0&&outline>0.){
 let change=BokehOutline(MapSamp,center,centerPixel,farColor,gather.slopes.y,layers,BokehLinearClamp);
-result=max(result+change*outline,vec3f(0.,0.,0.));}
+result=max(result+change*outline,vec3f(0.));}
 if(nearWeight>0.){
 let midFill=BokehFetchGrid(MidFillSamp,.25*center,quarters,BokehLinearClamp);
 let inNear=nearLayer.a*min(2.-2.*nearWeight,1.);
@@ -2530,9 +2530,9 @@ return vec4f(result,centerPixel.a);}
   bokeh_lens: `
 fn BokehUpdatePolygon(polygon:BokehPolygon)->BokehPolygon{
 var closed=polygon;
-closed.mean=vec2f(0.,0.);
+closed.mean=vec2f(0.);
 closed.area=0.;
-var begin=vec2f(0.,0.);
+var begin=vec2f(0.);
 for(var i=1;i<=polygon.sides/2;i++){
 let edge=BokehEdge(i,polygon);
 if(i<polygon.sides/2){
@@ -2559,7 +2559,7 @@ return .5*width*(1.-abs(dot(along,BokehTurn(f32(k),polygon))));}
 fn BokehCutLength(k:i32,widths:BokehPolygon)->f32{
 let halfWidth=BokehEdgeLength(k,widths);
 let edges=widths.sides/2;
-var ends=vec2f(1.,1.);
+var ends=vec2f(1.);
 for(var i=1;i<edges;i++){
 let turn=BokehTurn(f32(i),widths);
 let others=vec2f(BokehEdgeLength(k-i+edges,widths),BokehEdgeLength(k+i,widths));
@@ -2568,11 +2568,11 @@ return max(ends.x+ends.y,.001);}
 fn BokehWithCatsEye(polygon:BokehPolygon,uv:vec2f,imageSize:vec2f,amount:f32)->BokehPolygon{
 let place=(uv-.5)*2.*imageSize/length(imageSize);
 let along=BokehRotated(place,vec2f(polygon.axis.x,-polygon.axis.y))*clamp(amount,0.,.9);
-var whole=polygon;
-whole.lengths*=clamp((polygon.lengths-.001)*100000.,vec4f(0.,0.,0.,0.),vec4f(1.,1.,1.,1.));
+var uncut=polygon;
+uncut.lengths*=clamp((polygon.lengths-.001)*100000.,vec4f(0.),vec4f(1.));
 var widths=polygon;
-widths.lengths=vec4f(BokehHalfWidth(1,whole,along),BokehHalfWidth(2,whole,along),BokehHalfWidth(3,whole,along),BokehHalfWidth(4,whole,along));
-widths.fifth=BokehHalfWidth(5,whole,along);
+widths.lengths=vec4f(BokehHalfWidth(1,uncut,along),BokehHalfWidth(2,uncut,along),BokehHalfWidth(3,uncut,along),BokehHalfWidth(4,uncut,along));
+widths.fifth=BokehHalfWidth(5,uncut,along);
 var result=polygon;
 result.lengths=vec4f(BokehCutLength(1,widths),BokehCutLength(2,widths),BokehCutLength(3,widths),BokehCutLength(4,widths));
 result.fifth=BokehCutLength(5,widths);

@@ -1045,8 +1045,8 @@ return vec4(min(found.r, BOKEH_MAX_COLOR), min(found.g, BOKEH_MAX_COLOR), found.
 }
 vec2 BokehReaching(vec2 CoC, float tiles)
 {
-vec2 share = CoC / 16.0 + 1.0 - max(tiles - 2.0, 0.0);
-return CoC * clamp(share, vec2(0.0, 0.0), vec2(1.0, 1.0));
+vec2 weight = CoC / 16.0 + 1.0 - max(tiles - 2.0, 0.0);
+return CoC * clamp(weight, vec2(0.0, 0.0), vec2(1.0, 1.0));
 }
 float BokehReachTiles(BokehLayerContext layers)
 {
@@ -1379,8 +1379,8 @@ vec4 tile = BokehFetchGrid(DilatedTilesSamp, middlePlace / 8.0, BokehReducedGrid
 float nearSlope = BokehNearSlope(tile.r);
 float farSlope = BokehFarSlope(tile.g);
 float inverseBrightness = exp2(-tile.b);
-vec4 mid = vec4(0.0, 0.0, 0.0, 0.0);
-vec4 far = vec4(0.0, 0.0, 0.0, 0.0);
+vec4 midColor = vec4(0.0, 0.0, 0.0, 0.0);
+vec4 farColor = vec4(0.0, 0.0, 0.0, 0.0);
 for (int y = 0; y < 4; y++)
 {
 for (int x = 0; x < 4; x++)
@@ -1392,15 +1392,15 @@ float nearWeight = BokehLayerWeight(-s, nearSlope);
 float notNear = max(1.0 - 2.0 * nearWeight, 0.0625 - 0.0625 * nearWeight);
 float farWeight = BokehLayerWeight(s, farSlope);
 float weight = notNear / (1.0 + BokehBrightest(pixel.rgb) * inverseBrightness);
-mid += vec4(pixel.rgb, 1.0) * (weight * (1.0 - farWeight));
-far += vec4(pixel.rgb, 1.0) * (weight * farWeight);
+midColor += vec4(pixel.rgb, 1.0) * (weight * (1.0 - farWeight));
+farColor += vec4(pixel.rgb, 1.0) * (weight * farWeight);
 }
 }
 vec2 center = middlePlace / float(BOKEH_LAYER_SCALE);
 vec2 layerCoC = BokehLayerCoC(LayerCoCSamp, layers);
 BokehDownsampled targets;
-targets.midWithHoles = mid / 16.0;
-targets.farWithHoles = far / 16.0;
+targets.midWithHoles = midColor / 16.0;
+targets.farWithHoles = farColor / 16.0;
 BokehBlur nearBlur = BokehLayerBlur(layerCoC, false, polygon);
 BokehBlur farBlur = BokehLayerBlur(layerCoC, true, polygon);
 targets.nearQuarter = BokehQuarterLayer(NearSamp, center, nearBlur.sideTap, layers);
@@ -1416,10 +1416,10 @@ int BokehSamplesPerEdge(int ring, BokehPolygon polygon)
 {
 return int(max(6.0 * float(ring) / float(polygon.sides) + 0.5, 1.0));
 }
-vec2 BokehHoleWeights(vec4 middle, vec4 far, float inverseBrightness)
+vec2 BokehHoleWeights(vec4 midColor, vec4 farColor, float inverseBrightness)
 {
-return vec2(middle.a + BokehBrightest(middle.rgb) * inverseBrightness, far.a +
-BokehBrightest(far.rgb) * inverseBrightness);
+return vec2(midColor.a + BokehBrightest(midColor.rgb) * inverseBrightness, farColor.a +
+BokehBrightest(farColor.rgb) * inverseBrightness);
 }
 struct BokehFilled
 {
@@ -1437,9 +1437,9 @@ float inverseBrightness = exp2(-tile.b);
 vec2 corner = BokehRotated(polygon.corner, polygon.axis);
 vec2 direction = BokehEdgeDirection(1, polygon);
 vec2 turn = BokehTurn(1.0, polygon);
-vec4 mid = BokehFetchGrid(MidSamp, center, grid);
-vec4 far = BokehFetchGrid(FarSamp, center, grid);
-vec2 weights = BokehHoleWeights(mid, far, inverseBrightness);
+vec4 midColor = BokehFetchGrid(MidSamp, center, grid);
+vec4 farColor = BokehFetchGrid(FarSamp, center, grid);
+vec2 weights = BokehHoleWeights(midColor, farColor, inverseBrightness);
 for (int ring = 0; ring < 3; ring++)
 {
 if (nearCoC < BOKEH_TUNED_NEAR_START)
@@ -1458,26 +1458,26 @@ for (int i = 0; i < onEdge; i++)
 vec2 place = center + corner * scale;
 vec4 midTexel = BokehFetchGrid(MidSamp, place, grid);
 vec4 farTexel = BokehFetchGrid(FarSamp, place, grid);
-mid += midTexel * weight;
-far += farTexel * weight;
+midColor += midTexel * weight;
+farColor += farTexel * weight;
 weights += BokehHoleWeights(midTexel, farTexel, inverseBrightness) * weight;
 corner += along;
 }
 direction = BokehRotated(direction, turn);
 }
 }
-vec3 both = (mid.rgb + far.rgb) / max(mid.a + far.a, 0.000001);
+vec3 both = (midColor.rgb + farColor.rgb) / max(midColor.a + farColor.a, 0.000001);
 float midWeight = weights.r / max(weights.r + weights.g, 0.000001);
 BokehFilled targets;
 targets.midFill = vec4(both, midWeight);
 targets.farFill = vec4(both, 1.0);
-if (mid.a > 0.000001)
+if (midColor.a > 0.000001)
 {
-targets.midFill = vec4(mid.rgb / mid.a, midWeight);
+targets.midFill = vec4(midColor.rgb / midColor.a, midWeight);
 }
-if (far.a > 0.000001)
+if (farColor.a > 0.000001)
 {
-targets.farFill = vec4(far.rgb / far.a, 1.0);
+targets.farFill = vec4(farColor.rgb / farColor.a, 1.0);
 }
 return targets;
 }
@@ -1609,31 +1609,31 @@ BOKEH_TEXTURE FarSamp, BOKEH_TEXTURE FarQuarterSamp, vec2 layerCoC, BokehPolygon
 BokehLayerContext layers)
 {
 int last = polygon.sides / 2;
-BokehTargets near = BokehLayerFirst(NearSamp, NearQuarterSamp, layerCoC, false, last, polygon,
-layers);
-BokehTargets far = BokehLayerFirst(FarSamp, FarQuarterSamp, layerCoC, true, last, polygon,
-layers);
+BokehTargets nearTargets = BokehLayerFirst(NearSamp, NearQuarterSamp, layerCoC, false,
+last, polygon, layers);
+BokehTargets farTargets = BokehLayerFirst(FarSamp, FarQuarterSamp, layerCoC, true,
+last, polygon, layers);
 BokehLayersTargets targets;
-targets.nearStrip2 = near.strip2;
-targets.farStrip2 = far.strip2;
-targets.nearStrip3 = near.strip3;
-targets.farStrip3 = far.strip3;
+targets.nearStrip2 = nearTargets.strip2;
+targets.farStrip2 = farTargets.strip2;
+targets.nearStrip3 = nearTargets.strip3;
+targets.farStrip3 = farTargets.strip3;
 return targets;
 }
 struct BokehBlurred
 {
-vec4 near;
-vec4 far;
+vec4 nearLayer;
+vec4 farLayer;
 };
 BokehBlurred BokehLayersSecond(BOKEH_TEXTURE NearStrip2Samp, BOKEH_TEXTURE FarStrip2Samp,
 BOKEH_TEXTURE NearStrip3Samp, BOKEH_TEXTURE FarStrip3Samp, vec2 layerCoC, BokehPolygon polygon,
 BokehLayerContext layers)
 {
 BokehBlurred targets;
-targets.near = BokehLayerSecond(NearStrip2Samp, NearStrip3Samp, NearStrip3Samp, NearStrip3Samp,
-layerCoC, false, polygon, layers);
-targets.far = BokehLayerSecond(FarStrip2Samp, FarStrip3Samp, FarStrip3Samp, FarStrip3Samp,
-layerCoC, true, polygon, layers);
+targets.nearLayer = BokehLayerSecond(NearStrip2Samp, NearStrip3Samp,
+NearStrip3Samp, NearStrip3Samp, layerCoC, false, polygon, layers);
+targets.farLayer = BokehLayerSecond(FarStrip2Samp, FarStrip3Samp,
+FarStrip3Samp, FarStrip3Samp, layerCoC, true, polygon, layers);
 return targets;
 }
 vec4 BokehFetchLayer(BOKEH_TEXTURE LayerSamp, vec2 place, BokehGrid grid)
@@ -2035,13 +2035,13 @@ BokehPolygon BokehWithCatsEye(BokehPolygon polygon, vec2 uv, vec2 imageSize, flo
 vec2 place = (uv - 0.5) * 2.0 * imageSize / length(imageSize);
 vec2 along = BokehRotated(place, vec2(polygon.axis.x, -polygon.axis.y)) * clamp(amount, 0.0,
 0.9);
-BokehPolygon whole = polygon;
-whole.lengths *= clamp((polygon.lengths - 0.001) * 100000.0, vec4(0.0, 0.0, 0.0, 0.0), vec4(1.0,
+BokehPolygon uncut = polygon;
+uncut.lengths *= clamp((polygon.lengths - 0.001) * 100000.0, vec4(0.0, 0.0, 0.0, 0.0), vec4(1.0,
 1.0, 1.0, 1.0));
 BokehPolygon widths = polygon;
-widths.lengths = vec4(BokehHalfWidth(1, whole, along), BokehHalfWidth(2, whole, along),
-BokehHalfWidth(3, whole, along), BokehHalfWidth(4, whole, along));
-widths.fifth = BokehHalfWidth(5, whole, along);
+widths.lengths = vec4(BokehHalfWidth(1, uncut, along), BokehHalfWidth(2, uncut, along),
+BokehHalfWidth(3, uncut, along), BokehHalfWidth(4, uncut, along));
+widths.fifth = BokehHalfWidth(5, uncut, along);
 BokehPolygon result = polygon;
 result.lengths = vec4(BokehCutLength(1, widths), BokehCutLength(2, widths), BokehCutLength(3,
 widths), BokehCutLength(4, widths));
@@ -2709,8 +2709,8 @@ BokehResultB = targets.farStrip2;
 void main()
 {
 BokehBlurred targets = BokehBothResults(BokehUV, BokehColorSamp, BokehColorSampB, 4);
-BokehResult = targets.near;
-BokehResultB = targets.far;
+BokehResult = targets.nearLayer;
+BokehResultB = targets.farLayer;
 }
 #elif BOKEH_PASS == BOKEH_HEXAGON_LAYER_FIRST
 void main()
@@ -2725,8 +2725,8 @@ BokehResultD = targets.farStrip3;
 void main()
 {
 BokehBlurred targets = BokehBothResults(BokehUV, BokehColorSampC, BokehColorSampD, 6);
-BokehResult = targets.near;
-BokehResultB = targets.far;
+BokehResult = targets.nearLayer;
+BokehResultB = targets.farLayer;
 }
 #elif BOKEH_PASS == BOKEH_OCTAGON_LAYER_FIRST
 void main()

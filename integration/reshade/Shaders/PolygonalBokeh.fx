@@ -340,8 +340,8 @@ void LayeredHexagonLayerSecond11PS(float4 position : SV_Position, float2 uv : TE
     BokehLayerContext layers = Layers(uv);
     BokehPolygon polygon = Aperture();
     BokehBlurred targets = BokehLayersSecond(Layered5, Layered6, Layered16, Layered17, BokehLayerCoC(Layered7, layers), polygon, layers);
-    target0 = targets.near;
-    target1 = targets.far;
+    target0 = targets.nearLayer;
+    target1 = targets.farLayer;
 }
 
 void LayeredComposite12PS(float4 position : SV_Position, float2 uv : TEXCOORD, out float4 color : SV_Target0)

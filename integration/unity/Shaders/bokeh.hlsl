@@ -1086,6 +1086,8 @@ BokehTargets BokehExactFirst(BOKEH_TEXTURE MapSamp, float2 uv, int last, BokehPo
 }
 
 // Exact: draws the first pass of a square
+//   Reads the CoC map, blurs it along edge 1, and writes the result as strip 2, which the second
+//   pass blurs along edge 2.
 //   MapSamp       from BokehSignedCoCMap; linear filter, clamp
 //   polygon       from BokehMakePolygon(4, ..); for the passes below with 6, 8 and 10
 //   returns       strip2; other polygons also strip3 and so on
@@ -1096,6 +1098,7 @@ BokehTargets BokehSquareFirst(BOKEH_TEXTURE MapSamp, float2 uv, BokehPolygon pol
 }
 
 // Exact: draws the second pass of a square
+//   Reads strip 2, blurs it along edge 2, and divides the sum by its weight.
 //   Strip2Samp    from the first pass; linear filter, clamp
 //   returns       rgb = colour, a = signed CoC, here and in the second passes below
 float4 BokehSquareSecond(BOKEH_TEXTURE Strip2Samp, float2 uv, BokehPolygon polygon,
@@ -1107,7 +1110,8 @@ float4 BokehSquareSecond(BOKEH_TEXTURE Strip2Samp, float2 uv, BokehPolygon polyg
     return BokehResolved(L2.sum, pixel);
 }
 
-// Exact: draws the first pass of a hexagon: strip2 and strip3
+// Exact: draws the first pass of a hexagon
+//   Reads the CoC map, and writes strips 2 and 3, one for each edge of the second pass.
 BokehTargets BokehHexagonFirst(BOKEH_TEXTURE MapSamp, float2 uv, BokehPolygon polygon,
     BokehSamplingSettings settings BOKEH_SAMPLER)
 {
@@ -1115,6 +1119,7 @@ BokehTargets BokehHexagonFirst(BOKEH_TEXTURE MapSamp, float2 uv, BokehPolygon po
 }
 
 // Exact: draws the second pass of a hexagon
+//   Reads the strips, blurs each along the edge of its number, and adds them up.
 float4 BokehHexagonSecond(BOKEH_TEXTURE Strip2Samp, BOKEH_TEXTURE Strip3Samp, float2 uv,
     BokehPolygon polygon, BokehSamplingSettings settings BOKEH_SAMPLER)
 {
@@ -1126,7 +1131,8 @@ float4 BokehHexagonSecond(BOKEH_TEXTURE Strip2Samp, BOKEH_TEXTURE Strip3Samp, fl
     return BokehResolved(L2.sum + L3.sum, pixel);
 }
 
-// Exact: draws the first pass of an octagon: strip2 to strip4
+// Exact: draws the first pass of an octagon
+//   Reads the CoC map, and writes strips 2 to 4, one for each edge of the second pass.
 BokehTargets BokehOctagonFirst(BOKEH_TEXTURE MapSamp, float2 uv, BokehPolygon polygon,
     BokehSamplingSettings settings BOKEH_SAMPLER)
 {
@@ -1134,6 +1140,7 @@ BokehTargets BokehOctagonFirst(BOKEH_TEXTURE MapSamp, float2 uv, BokehPolygon po
 }
 
 // Exact: draws the second pass of an octagon
+//   Reads the strips, blurs each along the edge of its number, and adds them up.
 float4 BokehOctagonSecond(BOKEH_TEXTURE Strip2Samp, BOKEH_TEXTURE Strip3Samp,
     BOKEH_TEXTURE Strip4Samp, float2 uv, BokehPolygon polygon,
     BokehSamplingSettings settings BOKEH_SAMPLER)
@@ -1148,7 +1155,8 @@ float4 BokehOctagonSecond(BOKEH_TEXTURE Strip2Samp, BOKEH_TEXTURE Strip3Samp,
     return BokehResolved(L2.sum + L3.sum + L4.sum, pixel);
 }
 
-// Exact: draws the first pass of a decagon: strip2 to strip5
+// Exact: draws the first pass of a decagon
+//   Reads the CoC map, and writes strips 2 to 5, one for each edge of the second pass.
 BokehTargets BokehDecagonFirst(BOKEH_TEXTURE MapSamp, float2 uv, BokehPolygon polygon,
     BokehSamplingSettings settings BOKEH_SAMPLER)
 {
@@ -1156,6 +1164,7 @@ BokehTargets BokehDecagonFirst(BOKEH_TEXTURE MapSamp, float2 uv, BokehPolygon po
 }
 
 // Exact: draws the second pass of a decagon
+//   Reads the strips, blurs each along the edge of its number, and adds them up.
 float4 BokehDecagonSecond(BOKEH_TEXTURE Strip2Samp, BOKEH_TEXTURE Strip3Samp,
     BOKEH_TEXTURE Strip4Samp, BOKEH_TEXTURE Strip5Samp, float2 uv, BokehPolygon polygon,
     BokehSamplingSettings settings BOKEH_SAMPLER)

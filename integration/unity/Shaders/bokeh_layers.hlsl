@@ -377,8 +377,8 @@ float4 BokehTileMax(BOKEH_TEXTURE MapSamp, BokehLayerContext layers BOKEH_SAMPLE
 //   tiles         distance of the other tile
 float2 BokehReaching(float2 CoC, float tiles)
 {
-    float2 share = CoC / 16.0 + 1.0 - max(tiles - 2.0, 0.0);
-    return CoC * clamp(share, float2(0.0, 0.0), float2(1.0, 1.0));
+    float2 weight = CoC / 16.0 + 1.0 - max(tiles - 2.0, 0.0);
+    return CoC * clamp(weight, float2(0.0, 0.0), float2(1.0, 1.0));
 }
 
 // Layers: returns how many tiles the largest possible CoC can reach, at most 127
@@ -834,8 +834,8 @@ BokehDownsampled BokehDownsample(BOKEH_TEXTURE MapSamp, BOKEH_TEXTURE DilatedTil
     float nearSlope = BokehNearSlope(tile.r);
     float farSlope = BokehFarSlope(tile.g);
     float inverseBrightness = exp2(-tile.b);
-    float4 mid = float4(0.0, 0.0, 0.0, 0.0);
-    float4 far = float4(0.0, 0.0, 0.0, 0.0);
+    float4 midColor = float4(0.0, 0.0, 0.0, 0.0);
+    float4 farColor = float4(0.0, 0.0, 0.0, 0.0);
     for (int y = 0; y < 4; y++)
     {
         for (int x = 0; x < 4; x++)
@@ -848,15 +848,15 @@ BokehDownsampled BokehDownsample(BOKEH_TEXTURE MapSamp, BOKEH_TEXTURE DilatedTil
             float notNear = max(1.0 - 2.0 * nearWeight, 0.0625 - 0.0625 * nearWeight);
             float farWeight = BokehLayerWeight(s, farSlope);
             float weight = notNear / (1.0 + BokehBrightest(pixel.rgb) * inverseBrightness);
-            mid += float4(pixel.rgb, 1.0) * (weight * (1.0 - farWeight));
-            far += float4(pixel.rgb, 1.0) * (weight * farWeight);
+            midColor += float4(pixel.rgb, 1.0) * (weight * (1.0 - farWeight));
+            farColor += float4(pixel.rgb, 1.0) * (weight * farWeight);
         }
     }
     float2 center = middlePlace / float(BOKEH_LAYER_SCALE);
     float2 layerCoC = BokehLayerCoC(LayerCoCSamp, layers BOKEH_LINEAR);
     BokehDownsampled targets;
-    targets.midWithHoles = mid / 16.0;
-    targets.farWithHoles = far / 16.0;
+    targets.midWithHoles = midColor / 16.0;
+    targets.farWithHoles = farColor / 16.0;
     BokehBlur nearBlur = BokehLayerBlur(layerCoC, false, polygon);
     BokehBlur farBlur = BokehLayerBlur(layerCoC, true, polygon);
     targets.nearQuarter = BokehQuarterLayer(NearSamp, center, nearBlur.sideTap, layers
@@ -880,12 +880,12 @@ int BokehSamplesPerEdge(int ring, BokehPolygon polygon)
     return int(max(6.0 * float(ring) / float(polygon.sides) + 0.5, 1.0));
 }
 
-// Layers: returns the weights of middle and far that BokehDownsample had before it divided by
-//   1 + brightness / mean
-float2 BokehHoleWeights(float4 middle, float4 far, float inverseBrightness)
+// Layers: returns the weights that a texel of midWithHoles and one of farWithHoles had before
+//   BokehDownsample divided them by 1 + brightness / mean
+float2 BokehHoleWeights(float4 midColor, float4 farColor, float inverseBrightness)
 {
-    return float2(middle.a + BokehBrightest(middle.rgb) * inverseBrightness, far.a +
-        BokehBrightest(far.rgb) * inverseBrightness);
+    return float2(midColor.a + BokehBrightest(midColor.rgb) * inverseBrightness, farColor.a +
+        BokehBrightest(farColor.rgb) * inverseBrightness);
 }
 
 // Layers: holds what BokehHoleFill writes
@@ -919,9 +919,9 @@ BokehFilled BokehHoleFill(BOKEH_TEXTURE MidSamp, BOKEH_TEXTURE FarSamp,
     float2 corner = BokehRotated(polygon.corner, polygon.axis);
     float2 direction = BokehEdgeDirection(1, polygon);
     float2 turn = BokehTurn(1.0, polygon);
-    float4 mid = BokehFetchGrid(MidSamp, center, grid BOKEH_LINEAR);
-    float4 far = BokehFetchGrid(FarSamp, center, grid BOKEH_LINEAR);
-    float2 weights = BokehHoleWeights(mid, far, inverseBrightness);
+    float4 midColor = BokehFetchGrid(MidSamp, center, grid BOKEH_LINEAR);
+    float4 farColor = BokehFetchGrid(FarSamp, center, grid BOKEH_LINEAR);
+    float2 weights = BokehHoleWeights(midColor, farColor, inverseBrightness);
     for (int ring = 0; ring < 3; ring++)
     {
         // no near layer, no holes
@@ -942,26 +942,26 @@ BokehFilled BokehHoleFill(BOKEH_TEXTURE MidSamp, BOKEH_TEXTURE FarSamp,
                 float2 place = center + corner * scale;
                 float4 midTexel = BokehFetchGrid(MidSamp, place, grid BOKEH_LINEAR);
                 float4 farTexel = BokehFetchGrid(FarSamp, place, grid BOKEH_LINEAR);
-                mid += midTexel * weight;
-                far += farTexel * weight;
+                midColor += midTexel * weight;
+                farColor += farTexel * weight;
                 weights += BokehHoleWeights(midTexel, farTexel, inverseBrightness) * weight;
                 corner += along;
             }
             direction = BokehRotated(direction, turn);
         }
     }
-    float3 both = (mid.rgb + far.rgb) / max(mid.a + far.a, 0.000001);
+    float3 both = (midColor.rgb + farColor.rgb) / max(midColor.a + farColor.a, 0.000001);
     float midWeight = weights.r / max(weights.r + weights.g, 0.000001);
     BokehFilled targets;
     targets.midFill = float4(both, midWeight);
     targets.farFill = float4(both, 1.0);
-    if (mid.a > 0.000001)
+    if (midColor.a > 0.000001)
     {
-        targets.midFill = float4(mid.rgb / mid.a, midWeight);
+        targets.midFill = float4(midColor.rgb / midColor.a, midWeight);
     }
-    if (far.a > 0.000001)
+    if (farColor.a > 0.000001)
     {
-        targets.farFill = float4(far.rgb / far.a, 1.0);
+        targets.farFill = float4(farColor.rgb / farColor.a, 1.0);
     }
     return targets;
 }
@@ -1130,41 +1130,44 @@ struct BokehLayersTargets
 };
 
 // Layers: blurs both layers of a square or a hexagon, first pass
+//   Reads both layers, their quarter layers and layerCoC, and writes the strips of both, in one
+//   pass in place of two.
 BokehLayersTargets BokehLayersFirst(BOKEH_TEXTURE NearSamp, BOKEH_TEXTURE NearQuarterSamp,
     BOKEH_TEXTURE FarSamp, BOKEH_TEXTURE FarQuarterSamp, float2 layerCoC, BokehPolygon polygon,
     BokehLayerContext layers BOKEH_SAMPLER)
 {
     int last = polygon.sides / 2;
-    BokehTargets near = BokehLayerFirst(NearSamp, NearQuarterSamp, layerCoC, false, last, polygon,
-        layers BOKEH_LINEAR);
-    BokehTargets far = BokehLayerFirst(FarSamp, FarQuarterSamp, layerCoC, true, last, polygon,
-        layers BOKEH_LINEAR);
+    BokehTargets nearTargets = BokehLayerFirst(NearSamp, NearQuarterSamp, layerCoC, false,
+        last, polygon, layers BOKEH_LINEAR);
+    BokehTargets farTargets = BokehLayerFirst(FarSamp, FarQuarterSamp, layerCoC, true,
+        last, polygon, layers BOKEH_LINEAR);
     BokehLayersTargets targets;
-    targets.nearStrip2 = near.strip2;
-    targets.farStrip2 = far.strip2;
-    targets.nearStrip3 = near.strip3;
-    targets.farStrip3 = far.strip3;
+    targets.nearStrip2 = nearTargets.strip2;
+    targets.farStrip2 = farTargets.strip2;
+    targets.nearStrip3 = nearTargets.strip3;
+    targets.farStrip3 = farTargets.strip3;
     return targets;
 }
 
 // Layers: holds the finished layers
 struct BokehBlurred
 {
-    float4 near;
-    float4 far;
+    float4 nearLayer;
+    float4 farLayer;
 };
 
 // Layers: blurs both layers of a square or a hexagon, second pass
-//   For a square, pass any textures as strips 3: they are not read.
+//   Reads the strips of both layers and layerCoC, and writes both finished layers. For a square,
+//   pass any textures as strips 3: they are not read.
 BokehBlurred BokehLayersSecond(BOKEH_TEXTURE NearStrip2Samp, BOKEH_TEXTURE FarStrip2Samp,
     BOKEH_TEXTURE NearStrip3Samp, BOKEH_TEXTURE FarStrip3Samp, float2 layerCoC,
         BokehPolygon polygon, BokehLayerContext layers BOKEH_SAMPLER)
 {
     BokehBlurred targets;
-    targets.near = BokehLayerSecond(NearStrip2Samp, NearStrip3Samp, NearStrip3Samp, NearStrip3Samp,
-        layerCoC, false, polygon, layers BOKEH_LINEAR);
-    targets.far = BokehLayerSecond(FarStrip2Samp, FarStrip3Samp, FarStrip3Samp, FarStrip3Samp,
-        layerCoC, true, polygon, layers BOKEH_LINEAR);
+    targets.nearLayer = BokehLayerSecond(NearStrip2Samp, NearStrip3Samp,
+        NearStrip3Samp, NearStrip3Samp, layerCoC, false, polygon, layers BOKEH_LINEAR);
+    targets.farLayer = BokehLayerSecond(FarStrip2Samp, FarStrip3Samp,
+        FarStrip3Samp, FarStrip3Samp, layerCoC, true, polygon, layers BOKEH_LINEAR);
     return targets;
 }
 

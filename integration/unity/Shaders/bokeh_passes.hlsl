@@ -194,8 +194,8 @@ struct BokehVertex
     float2 uv : TEXCOORD0;
 };
 
-// Three vertices without a buffer. Clip space has +y up and v = 0 is the first row: v runs against
-// y.
+// draws a triangle over the whole target: three vertices, without a buffer
+//   Clip space has +y up and v = 0 is the first row: v runs against y.
 BokehVertex BokehFullScreen_VS(uint id : SV_VertexID)
 {
     BokehVertex result;
@@ -286,6 +286,7 @@ BokehPolygon BokehAnyAperture(float2 uv)
     return BokehAperture(uv, clamp(sides, 4, 10));
 }
 
+// returns the lens that the parameters describe
 BokehLens BokehPassLens()
 {
     BokehLens lens = BokehMakeLens(BokehApertureDiameter, BokehFocalLength, BokehFocusDistance);
@@ -712,8 +713,8 @@ BokehTargets2 BokehSquareLayerSecond_PS(BOKEH_INPUT)
 {
     BokehBlurred targets = BokehBothResults(uv, BokehColorSamp, BokehColorSampB, 4);
     BokehTargets2 result;
-    result.target0 = targets.near;
-    result.target1 = targets.far;
+    result.target0 = targets.nearLayer;
+    result.target1 = targets.farLayer;
     return result;
 }
 
@@ -732,8 +733,8 @@ BokehTargets2 BokehHexagonLayerSecond_PS(BOKEH_INPUT)
 {
     BokehBlurred targets = BokehBothResults(uv, BokehColorSampC, BokehColorSampD, 6);
     BokehTargets2 result;
-    result.target0 = targets.near;
-    result.target1 = targets.far;
+    result.target0 = targets.nearLayer;
+    result.target1 = targets.farLayer;
     return result;
 }
 

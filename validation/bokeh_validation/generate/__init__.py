@@ -1,7 +1,7 @@
 """Write the files of integration/ and docs/ that follow from the shaders: the command `validation/run generate`."""
 
 import re
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator
 from functools import cache
 from typing import Annotated, NamedTuple
 
@@ -11,7 +11,7 @@ import typer
 from bokeh_validation import files, paths, plan, shaders, terminal
 from bokeh_validation.errors import UserError
 from bokeh_validation.frame import methods
-from bokeh_validation.generate import compositor, copies, manifests, results, samples
+from bokeh_validation.generate import compact, compositor, copies, manifests, results, samples
 from bokeh_validation.shaders.entries import COLORS, ENTRIES, EXACT
 from bokeh_validation.shaders.parameters import BLOCK, BLOCK_FLOATS, PARAMETERS
 
@@ -33,8 +33,6 @@ PANDA3D = "integration/panda3d/bokeh_panda3d"
 PLANNED = [(method, aperture) for method in ("exact", "layered") for aperture in methods.EXACT]
 # Parts of section [2] that Godot's shading language lacks: a precision for all floats, and variables outside
 # functions. That rules out BOKEH_VIEWPORT, but an image in Godot always fills its textures.
-# A tuned constant in GLSL or in WGSL: name, value
-TUNED = r"^(?:#define |const )(BOKEH_TUNED_\w+)(?:: f32 =)? ([\d.]+);?$"
 NOT_IN_GODOT = (
     r"#ifdef GL_ES\n.*?\n#endif\n#endif\n\n",
     r"// where the image lies in its textures.*?(?=// Porting: converts image uv)",
@@ -194,89 +192,24 @@ def web_shaders() -> str:
         programs = texts.pop("bokeh_passes")
         functions = {match["name"]: match[0] for match in shaders.FUNCTION.finditer(programs)}
         texts["noise"] = functions["BokehNoise"]
-        texts = _with_values({name: _in_full_precision(text) for name, text in texts.items()})
         lines += ["", f"export const {language.upper()} = {{"]
-        for name, text in texts.items():
-            lines += [f"  {name}: `", *_joined(map(_compact, _code(text))), "`,"]
+        for name, text in compact.shortened(texts).items():
+            lines += [f"  {name}: `", *text, "`,"]
         lines.append("};")
     return "\n".join(lines) + "\n"
-
-
-# What half precision adds to the text: its constant, its types, and a function, which would only return its argument
-HALF_PRECISION = (
-    (r"^#ifndef BOKEH_HALF_PRECISION\n.*\n#endif\n", ""),
-    (r"^#if BOKEH_HALF_PRECISION > 0 && (?s:.*?)^#define BOKEH_TO_HALF4 vec4\n#endif\n", ""),
-    (r"^override BOKEH_HALF_PRECISION.*\n|^alias BokehHalf.*\n", ""),
-    (r"^(?:fn|BOKEH_HALF4) BokehHalfTexel\((?s:.*?)^\}\n", ""),
-    (r"\bBokehHalfTexel\(", "("),
-    (r"\bBOKEH_(?:TO_)?HALF(\d)\b", r"vec\1"),
-    (r"\bBokehHalf(\d)\b", r"vec\1f"),
-)
-
-
-def _in_full_precision(text: str) -> str:
-    """Return a text in GLSL or WGSL without the option of half precision, which the classes do not have."""
-    for pattern, new in HALF_PRECISION:
-        text = re.sub(pattern, new, text, flags=re.MULTILINE)
-    return text
-
-
-def _with_values(texts: Mapping[str, str]) -> dict[str, str]:
-    """Return the texts with each tuned constant's value in place of its name and its declaration."""
-    whole = "".join(texts.values())
-    values = dict(re.findall(TUNED, whole, re.MULTILINE))
-    without = {name: re.sub(TUNED, "", text, flags=re.MULTILINE) for name, text in texts.items()}
-    return {name: re.sub(r"\bBOKEH_TUNED_\w+", lambda match: values[match[0]], text) for name, text in without.items()}
 
 
 def python_shaders() -> str:
     """Return the module of Panda3D's package: all of glsl/ as one text in Python, so that frozen
     programs include it.
     """
-    code = [line for stem in paths.STEMS for line in _code(shaders.file_text("glsl", stem))]
+    code = [line for stem in paths.STEMS for line in compact.code(shaders.file_text("glsl", stem))]
     return "\n".join([f"# {WRITTEN_BY} glsl/", "# SPDX-License-Identifier: MIT", 'GLSL = r"""', *code, '"""']) + "\n"
-
-
-def _code(text: str) -> Iterator[str]:
-    """Yield the lines of a text without comments and blank lines."""
-    return filter(None, (line.strip() for line in shaders.COMMENT.sub("", text).splitlines()))
-
-
-def _compact(line: str) -> str:
-    """Return a line of code without what the language does not need: pages download it. That is spaces, zeros at the
-    ends of numbers, and in WGSL the types of variables that have a value.
-
-    An #error needs no message, since the classes check their options. Other lines of the preprocessor, and in WGSL the
-    lines whose values the classes replace, stay as they are.
-    """
-    if line.startswith(("#", "override", "alias")):
-        return "#error" if line.startswith("#error") else line
-    line = re.sub(r"\b(if|for) \(", r"\1(", re.sub(r"(?<=[,:;]) ", "", line))
-    line = re.sub(r"^((?:for\()?(?:let|var) \w+):\w+ = ", r"\1 = ", line)
-    line = re.sub(r"(?<![\w.])0(\.\d*[1-9])|(?<![\w.])(\d+\.)0\b", r"\1\2", line)
-    # not before a minus: a - -b
-    return re.sub(r" ([-+*/=<>]=?|&&|->) (?=[\w(.])", r"\1", line)
-
-
-def _joined(lines: Iterable[str]) -> list[str]:
-    """Return lines of code with each brace, and the rest of a statement, at the end of the line before it.
-
-    Lines of the preprocessor stay on their own.
-    """
-    joined = [""]
-    for line in lines:
-        continues = line in ("{", "}") or joined[-1].endswith((",", "(", "+", "-", "*"))
-        if continues and not joined[-1].startswith("#") and not line.startswith("#"):
-            # the operator at the end of a line has a space before it
-            joined[-1] = re.sub(r" ([+*])$", r"\1", joined[-1]) + line
-        else:
-            joined.append(line)
-    return joined[1:]
 
 
 def rust_shaders() -> str:
     """Return the file of the crates for wgpu and Bevy: all of wgsl/ as one text, without comments."""
-    code = [line for stem in paths.STEMS for line in _code(shaders.file_text("wgsl", stem))]
+    code = [line for stem in paths.STEMS for line in compact.code(shaders.file_text("wgsl", stem))]
     return "\n".join([f"// {WRITTEN_BY} wgsl/", "// SPDX-License-Identifier: MIT", *code]) + "\n"
 
 

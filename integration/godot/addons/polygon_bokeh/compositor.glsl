@@ -407,8 +407,8 @@ void main()
 	BokehLayerContext layers = BokehMakeLayerContext(uv, parameters.image_size, parameters.max_coc);
 	BokehPolygon polygon = BokehMakePolygon(int(parameters.sides), parameters.rotation, parameters.squeeze);
 	BokehBlurred targets = BokehLayersSecond(slot_0, slot_1, slot_1, slot_1, BokehLayerCoC(slot_4, layers), polygon, layers);
-	target_0 = targets.near;
-	target_1 = targets.far;
+	target_0 = targets.nearLayer;
+	target_1 = targets.farLayer;
 }
 
 #elif defined(COMPOSITE)
@@ -466,8 +466,8 @@ void main()
 	BokehLayerContext layers = BokehMakeLayerContext(uv, parameters.image_size, parameters.max_coc);
 	BokehPolygon polygon = BokehMakePolygon(int(parameters.sides), parameters.rotation, parameters.squeeze);
 	BokehBlurred targets = BokehLayersSecond(slot_0, slot_1, slot_2, slot_3, BokehLayerCoC(slot_4, layers), polygon, layers);
-	target_0 = targets.near;
-	target_1 = targets.far;
+	target_0 = targets.nearLayer;
+	target_1 = targets.farLayer;
 }
 
 #elif defined(LAYER_FIRST)
