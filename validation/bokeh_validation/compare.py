@@ -14,7 +14,7 @@ from typing import Annotated
 import numpy as np
 from typer import Argument, Option
 
-from bokeh_validation import exr, metrics, options, plan, render, shaders, terminal
+from bokeh_validation import drivers, exr, metrics, options, plan, render, shaders, terminal
 from bokeh_validation.drivers.base import Driver
 from bokeh_validation.errors import Unavailable, UserError
 from bokeh_validation.exr import Scene
@@ -235,7 +235,7 @@ def compare(
     scene, theirs = render.read(source, settings, depth_channel, layer), exr.read(result, None)
     if scene.size != theirs.size:
         raise UserError(f"{result}: {theirs.size} pixels, the input has {scene.size}. Render it at the input's size.")
-    active_driver, pixels = terminal.pick_driver(driver, adapter), theirs.color[..., :3].astype(np.float64)
+    active_driver, pixels = drivers.pick(driver, adapter), theirs.color[..., :3].astype(np.float64)
     (steps, nearest), *_ = _nearest(
         [Mistake("", "", settings, storage=name) for name in STORAGE], active_driver, scene, pixels
     )

@@ -5,7 +5,7 @@ from typing import Annotated
 
 from typer import Argument, Option
 
-from bokeh_validation import exr, options, pictures, terminal
+from bokeh_validation import drivers, exr, options, pictures, terminal
 from bokeh_validation.errors import Unavailable, UserError
 from bokeh_validation.frame import methods
 
@@ -39,7 +39,7 @@ def render(
     """Blur an EXR with the shaders on a real driver."""
     terminal.check_writable(target, png)
     scene = read(source, settings, depth_channel, layer)
-    active_driver, plan = terminal.pick_driver(driver, adapter), methods.plan(settings, scene.size)
+    active_driver, plan = drivers.pick(driver, adapter), methods.plan(settings, scene.size)
     textures = {"color": scene.color, "depth": scene.depth, **plan.tables}
     try:
         result = active_driver.run(plan.passes, textures, scene.size, scene.storage)["result"]

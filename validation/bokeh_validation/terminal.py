@@ -1,4 +1,4 @@
-"""Provide what the commands of validation/run share: options, progress, output, and the choice of drivers."""
+"""Provide what the commands of validation/run share: options, progress and output."""
 
 import json
 import re
@@ -6,21 +6,16 @@ import sys
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import typer
 from rich.console import Console
 from rich.progress import MofNCompleteColumn, Progress
 
 from bokeh_validation import files
-from bokeh_validation.errors import Unavailable, UserError
-
-if TYPE_CHECKING:
-    from bokeh_validation.drivers.base import Driver
+from bokeh_validation.errors import UserError
 
 OK, FAILED, NOT_RUN = "[green]ok[/]", "[red]FAILED[/]", "[dim]not run[/]"
-# Tried in this order when no driver is named, fastest start first
-AUTO = ("egl", "osmesa", "wgpu", "dxc")
 
 DRIVER_HELP = "osmesa, egl, wgpu, dxc, d3d9, webgl2, webgpu or reference."
 OneDriver = Annotated[str | None, typer.Option("--driver", help=DRIVER_HELP)]
@@ -111,44 +106,3 @@ def write_json(path: Path | None, data: object) -> None:
         sys.stdout.write(text)
     elif path is not None:
         files.whole(path, lambda partial: partial.write_text(text, encoding="utf-8"))
-
-
-def pick_driver(name: str | None, adapter: str | None) -> "Driver":
-    """Load the named driver, or the first one of AUTO that this machine has. Raises UserError."""
-    from bokeh_validation import drivers
-
-    for candidate in AUTO if name is None else ():
-        try:
-            return drivers.load(candidate, adapter)
-        except Unavailable:
-            continue
-    (loaded,), _ = pick_drivers([AUTO[0] if name is None else name], adapter)
-    return loaded
-
-
-def pick_drivers(names: Iterable[str], adapter: str | None) -> tuple[list["Driver"], dict[str, str]]:
-    """Load the named drivers; returns them, and name -> reason for those that are missing.
-
-    Raises UserError if none is available.
-    """
-    from bokeh_validation import drivers
-
-    loaded, missing = [], {}
-    for name in names:
-        check_driver(name)
-        try:
-            loaded.append(drivers.load(name, adapter))
-        except Unavailable as error:
-            missing[name] = str(error)
-    if not loaded:
-        reasons = "; ".join(f"{name}: {reason}" for name, reason in missing.items())
-        raise UserError(f"none of the drivers is on this machine ({reasons}). See validation/run doctor.")
-    return loaded, missing
-
-
-def check_driver(name: str) -> None:
-    """Check that a driver of this name exists. Raises UserError otherwise."""
-    from bokeh_validation import drivers
-
-    if name not in drivers.NAMES:
-        raise UserError(f"--driver {name}: no such driver. Give one of {', '.join(drivers.NAMES)}.")

@@ -4,7 +4,7 @@ from typing import Annotated
 
 import typer
 
-from bokeh_validation import terminal
+from bokeh_validation import drivers, terminal
 from bokeh_validation.errors import UserError
 from bokeh_validation.truth import DEFAULT, METHODS, labels, ray_traced
 from lab import ray_traced_score
@@ -51,7 +51,7 @@ def truth(
     chosen = terminal.chosen("--method", method, allowed, default if count is None else DEFAULT[-1:])
     names, scenes = motion.chosen(sequence), ray_traced.chosen(scene)
     terminal.check_writable(json_file)
-    active_driver = terminal.pick_driver(driver, adapter)
+    active_driver = drivers.pick(driver, adapter)
     if count is not None:
         rows, lines = random_score.report(chosen, active_driver.name, adapter, range(seed or 0, (seed or 0) + count))
     elif sequence is not None:

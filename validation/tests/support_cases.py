@@ -6,8 +6,7 @@ from dataclasses import replace
 import numpy as np
 from support import load
 
-from bokeh_validation import drivers, metrics, shaders
-from bokeh_validation import probes as patterns
+from bokeh_validation import drivers, metrics, probes, shaders
 from bokeh_validation.errors import Unavailable
 from bokeh_validation.frame import methods
 from bokeh_validation.probes import judges
@@ -75,7 +74,7 @@ def within(driver: drivers.Driver, case: Case) -> tuple[np.ndarray, metrics.Comp
     return case_result.outputs["result"], case_result.comparisons["result"]
 
 
-def judged(probe: patterns.Probe, **changes) -> list[patterns.Check]:
+def judged(probe: probes.Probe, **changes) -> list[probes.Check]:
     """Return the checks of a probe drawn with other settings than its own."""
     outputs, driver = {}, load("egl")
     for case in probe.cases:

@@ -1,6 +1,6 @@
 """Define the commands that run a part of the suite: `validation/run probes` and `compile`."""
 
-from bokeh_validation import terminal
+from bokeh_validation import drivers, terminal
 from bokeh_validation.compile_matrix import Compilation
 from bokeh_validation.probes import PROBES, REAL, outcomes
 from bokeh_validation.run import session
@@ -12,7 +12,7 @@ def probes(driver: terminal.SeveralDrivers = None, adapter: terminal.Adapter = N
     """Draw the probes on the drivers, and check each against the reference and against what it must show."""
     names = tuple(driver or REAL)
     for name in names:
-        terminal.check_driver(name)
+        drivers.check_name(name)
     check_adapter(names, adapter)
     tests = [session.probe(probe.name, name) for probe in PROBES for name in names]
     with terminal.progress("probe", len(tests)) as step:

@@ -14,7 +14,7 @@ from typing import Protocol
 
 import pytest
 
-from bokeh_validation import paths, terminal
+from bokeh_validation import drivers, paths, terminal
 from bokeh_validation.errors import UserError
 
 # Key of the object in a test report's properties
@@ -129,7 +129,7 @@ def run(
 def check_adapter(names: Sequence[str], adapter: str | None) -> None:
     """Check before anything is run that one of the drivers has a device of this name. Raises UserError."""
     if adapter is not None:
-        terminal.pick_drivers(names, adapter)
+        drivers.pick_all(names, adapter)
 
 
 def unexplained(found: Mapping[str, Handed], errors: Mapping[str, str]) -> dict[str, str]:

@@ -11,7 +11,7 @@ from typing import Annotated
 
 import typer
 
-from bokeh_validation import files, paths, terminal
+from bokeh_validation import drivers, files, paths, terminal
 from bokeh_validation.errors import Unavailable, UserError
 from lab import captioned
 from lab.documents.drawings import BY_NAME, DRAWINGS, Animation, Drawing
@@ -104,7 +104,7 @@ def draw_pictures(
         return terminal.tell(*(f"{name}{': older than its shaders' * (name in stale)}" for name in BY_NAME))
     chosen_names = terminal.chosen("NAME", names, BY_NAME)
     files.check_folder("--output", folder)
-    active_driver = terminal.pick_driver(driver, adapter)
+    active_driver = drivers.pick(driver, adapter)
     for drawing in (candidate for candidate in DRAWINGS if set(candidate.names) & set(chosen_names)):
         try:
             written = write(drawing, drawing.draw(active_driver), chosen_names, folder)

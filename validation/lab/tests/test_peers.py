@@ -1,5 +1,6 @@
 """Test validation/run peers: each effect on a small image, the search for parameters, and times."""
 
+import hashlib
 import json
 from dataclasses import replace
 
@@ -7,6 +8,7 @@ import numpy as np
 import pytest
 from support import called, needed, refused
 
+from bokeh_validation import paths
 from bokeh_validation.truth import ray_traced
 from lab import other_effects
 from lab.other_effects import effects, timing
@@ -134,3 +136,18 @@ def test_summary_of_times():
 def test_refused(options, words):
     """Check that --time refuses what it cannot time, and that --json needs it."""
     refused(called("peers", *options.split()), words)
+
+
+def digests() -> dict[str, str]:
+    """Return 'scene, effect' -> hash of the parameters with which the effect was measured."""
+    hashes = {}
+    for scene, found in FOUND.items():
+        for effect, parameters in found.items():
+            text = json.dumps(parameters, sort_keys=True)
+            hashes[f"{scene}, {effect}"] = hashlib.sha256(text.encode()).hexdigest()[:16]
+    return hashes
+
+
+def test_effects_have_the_parameters_that_were_measured():
+    """Check that found.json is unchanged: a changed parameter requires a new measurement, and then a new digest."""
+    assert json.loads((paths.ROOT / "docs/data/peers.json").read_bytes())["parameters"] == digests()

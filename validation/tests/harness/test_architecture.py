@@ -27,9 +27,9 @@ MODULES = {name_of(file): file for file in FILES if file.parent.name != "tests"}
 
 
 def imported(name: str) -> set[str]:
-    """Return the package's modules that one imports at its top level, not inside functions."""
+    """Return the package's modules that one imports, inside functions too."""
     found = set()
-    for node in ast.parse(MODULES[name].read_text(encoding="utf-8")).body:
+    for node in ast.walk(ast.parse(MODULES[name].read_text(encoding="utf-8"))):
         if isinstance(node, ast.ImportFrom) and node.module:
             for alias in node.names:
                 full = f"{node.module}.{alias.name}"

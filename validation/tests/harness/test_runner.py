@@ -1,5 +1,7 @@
 """Test how tests are distributed, and which are skipped because their inputs have not changed."""
 
+import json
+
 from bokeh_validation import paths
 from bokeh_validation.run import schedule, unchanged
 
@@ -36,12 +38,15 @@ def test_units_of_a_first_run():
 
 
 def test_longest_first(pytester):
-    """Check that the test that took longest last time starts first."""
+    """Check that the test that took longest last time starts first, and that a run records how long tests took."""
     pytester.makeconftest(CONFTEST)
     names = ("quick", "slow", "slower")
-    for name, seconds in zip(names, (0.0, 0.3, 0.6), strict=True):
-        pytester.makepyfile(**{f"test_{name}": f"import time\ndef test(): time.sleep({seconds})"})
+    for name in names:
+        pytester.makepyfile(**{f"test_{name}": "def test(): pass"})
     pytester.inline_run().assertoutcome(passed=3)
+    record = pytester.path / ".pytest_cache/v" / schedule.KEY
+    assert set(json.loads(record.read_bytes())) == {f"test_{name}.py::test" for name in names}
+    record.write_text(json.dumps({f"test_{name}.py::test": [0.0, place] for place, name in enumerate(names)}))
     lines = [line for line in pytester.runpytest_subprocess("-n1", "-v").outlines if "PASSED" in line]
     assert [name for line in lines for name in names if f"test_{name}.py" in line] == ["slower", "slow", "quick"]
 

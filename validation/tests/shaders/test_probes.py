@@ -7,13 +7,13 @@ import pytest
 from support import LANGUAGES, load, needed, nightly
 from support_cases import judged, result
 
-from bokeh_validation import probes as patterns
+from bokeh_validation import probes
 from bokeh_validation.errors import Unavailable
 from bokeh_validation.frame import geometry
 from bokeh_validation.probes import impulse, near_edges, outcomes, rims, sweep
 from bokeh_validation.probes.highlight import polygon_of
 
-PROBES = {probe.name: probe for probe in patterns.PROBES}
+PROBES = {probe.name: probe for probe in probes.PROBES}
 
 
 def on_drivers():
@@ -21,7 +21,7 @@ def on_drivers():
     validation/run.
     """
     for index, name in enumerate(PROBES):
-        for driver in patterns.REAL:
+        for driver in probes.REAL:
             others = nightly if driver in LANGUAGES else pytest.mark.report
             by_default = driver == LANGUAGES[index % len(LANGUAGES)]
             yield pytest.param(name, driver, marks=() if by_default else others, id=f"{name}-{driver}")
