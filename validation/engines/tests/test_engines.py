@@ -32,10 +32,19 @@ LENSES = {
 }
 
 
+# Fraction of a shot's pixels that are within 4 half-float steps of the reference. It was chosen, not derived: the rest
+# are pixels beside lights, where a filter weight of another rounding shows.
+CLOSE = 0.998
+
+
 def check_shots(capture):
-    """Check that each shot is within its interval."""
-    outside = {shot.name: f"{shot.comparison}, {shot.outside}" for shot in capture.shots if shot.comparison.outside}
-    assert capture.shots and not outside, outside
+    """Check that each shot is within its interval, and that hardly a pixel is more than 4 steps off."""
+    wrong = {
+        shot.name: f"{shot.comparison}, {shot.outside}"
+        for shot in capture.shots
+        if shot.comparison.outside or shot.comparison.close < CLOSE
+    }
+    assert capture.shots and not wrong, wrong
 
 
 def check_lens(camera, fovy, stop):

@@ -46,7 +46,7 @@ def test_brief(tmp_path, monkeypatch, capsys):
     monkeypatch.setattr(probes, "PROBES", (LEAKAGE,))
     monkeypatch.setattr(validate, "BRIEF_VARIANTS", ("glsl-330",))
     with pytest.raises(typer.Exit) as end:
-        validate.validate(False, None, tmp_path / "page.html")
+        validate.validate(False, None, tmp_path / "page.html", ())
     lines = capsys.readouterr().out.splitlines()
     assert end.value.exit_code == 0, lines
     assert "a minute" in lines[0] and "--full" in lines[-1]
