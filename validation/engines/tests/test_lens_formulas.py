@@ -142,6 +142,8 @@ DEFAULTS = {
     "unreal/BokehDepthOfField/Source/BokehDepthOfField/Private/BokehViewExtension.cpp": (
         r"float FStop = ([\d.]+)f", r"BokehScale, ([\d.]+)f"),
     "wgpu/src/lens.rs": (r"f_stop: ([\d.]+),", r"bokeh_scale: ([\d.]+),"),
+    "bevy/src/lib.rs": (r"aperture_diameter: 0\.05 / ([\d.]+)", r"aperture_diameter: 0\.05 / 2\.8 \* ([\d.]+),"),
+    "godot/addons/polygon_bokeh/polygon_bokeh_effect.gd": (r"f_stop := ([\d.]+)", r"bokeh_scale := ([\d.]+)"),
     "godot/addons/polygon_bokeh/polygon_bokeh.gd": (r"f_stop := ([\d.]+)", r"bokeh_scale := ([\d.]+)"),
     "ogre/PolygonBokeh.h": (r"float fStop = ([\d.]+)f", r"float bokehScale = ([\d.]+)f"),
     "love/polygon_bokeh.lua": (r"fStop or ([\d.]+)", r"bokehScale or ([\d.]+)"),

@@ -24,6 +24,8 @@ def test_version():
     found = {
         name: tomllib.loads((INTEGRATION / name / "Cargo.toml").read_text())["package"]["version"] for name in crates
     }
+    project = tomllib.loads((INTEGRATION / "panda3d/pyproject.toml").read_text(encoding="utf-8"))["project"]
+    found["panda3d"] = project["version"]
     citation = (paths.ROOT / "CITATION.cff").read_text(encoding="utf-8")
     found["CITATION.cff"] = re.search(r"^version: (.*)$", citation, re.MULTILINE)[1]
     for path in (INTEGRATION / "web/package.json", INTEGRATION / "unity/package.json"):
