@@ -123,7 +123,7 @@ def test_pictures_of_the_readme():
     for picture in shown:
         assert (paths.ROOT / picture).stat().st_size < 700_000, picture
         after = README.split(f"]({picture})", 1)[1].strip()
-        assert re.match(r"(?:!\[[^\]]*\]\([^)]+\)\s*)*\*[^*]*`validation/run \w+", after), picture
+        assert re.match(r"(?:!\[[^\]]*\]\([^)]+\)\s*)*\*[^*]*`validation/run\s\w+", after), picture
     pages = [README, *(page.read_text(encoding="utf-8") for page in (paths.ROOT / "docs").rglob("*.md"))]
     for name in drawings.BY_NAME:
         assert any(re.search(rf"(images|reproduction)/{name}\.\w+\)", page) for page in pages), name
