@@ -198,8 +198,9 @@
 //   A texture and its sampler are one parameter. To fetch in another way (texture arrays for
 //   stereo, bindless textures), define BOKEH_CUSTOM_FETCH before this file, and supply the types
 //   and fetch functions that it guards below.
-//   highp: OpenGL ES has no default precision for float in fragment shaders, and half precision can
-//   neither address a 4K image nor hold a sum of HDR colours.
+//   highp: OpenGL ES has no default precision for float in fragment shaders, and half precision
+//   cannot address a 4K image. It overflows in a sum of HDR colours, unless they are limited, as in
+//   BokehHalfTexel.
 
 #ifdef GL_ES
 #if __VERSION__ < 300

@@ -5,7 +5,7 @@
 //
 //   `exact` blurs each pixel by its own CoC, so near objects keep a hard outline. Here near objects
 //   spread over what is behind them, and what they hide is filled. docs/methods/layered.md has the
-//   frame graph and the derivations, layered-evidence.md the evidence for every tuned constant.
+//   frame graph and the derivations, layered-evidence.md the evidence for the tuned constants.
 //
 // CONTRACT
 //   Functions only: no bindings, no entry points.
