@@ -247,8 +247,8 @@ def choices() -> Iterator[str]:
         count = f"{color} of colour, {depth} of depth" if depth > 1 else color + depth
         yield f"| {wish} | {method} | {len(planned['passes'])} | {count} |"
     page = "methods/polygons.md#shapes-and-methods"
-    yield f"| triangles, pentagons, stars | `paper`, [with passes for the shape]({page}) | 5 to 7 | |"
-    yield "| any other shape | `naive`, which gathers at sample offsets that you supply in a table | 3 | |"
+    yield f"| triangles, pentagons, stars | `paper`, [with passes for the shape]({page}) | 5 to 7 | depends on the shape |"
+    yield "| any other shape | `naive`, which gathers at sample offsets that you supply in a table | 3 | depends on the table |"
 
 
 def passes_page() -> Iterator[str]:
