@@ -275,14 +275,15 @@ def test_a_spacing_that_is_none_is_the_presets(driver):
 # Rows of docs/inputs.md, Bad input: invalid value -> value that replaces it. The numbers are tested above: COLOR and
 # DEPTH by test_bad_pixels_count_as_documented, parameters by EQUIVALENTS.
 PAGE_ROWS = {
-    "colour NaN, negative; +infinite": "{color_nan:g}; {color_infinite:g}",
-    "depth NaN, 0, negative; above {most_depth:.0f} m, infinite": "{depth_nan:f} m; {depth_infinite:.0f} m",
+    "colour NaN or negative": "{color_nan:g}",
+    "colour +infinite": "{color_infinite:g}",
+    "depth NaN, 0 or negative": "{depth_nan:f} m",
+    "depth above {most_depth:.0f} m, or infinite": "{depth_infinite:.0f} m",
     "stored depth NaN or below 0, kind 3": "the sky",
     "stored depth NaN or below 0, kind 8": "the camera",
-    "`BokehFocusDistance` up to the focal length; above {most_depth:.0f} m": (
-        "{depth_nan:f} m more than the focal length; {focus_infinite:.0f} m"
-    ),
-    "`BokehApertureDiameter`, `BokehBleedingMult` negative": "{aperture_negative:g}",
+    "`BokehFocusDistance` not above the focal length": "{depth_nan:f} m more than the focal length",
+    "`BokehFocusDistance` above {most_depth:.0f} m, or infinite": "{focus_infinite:.0f} m",
+    "`BokehApertureDiameter` or `BokehBleedingMult` negative": "{aperture_negative:g}",
 }
 
 
@@ -310,4 +311,4 @@ def test_page_has_what_is_tested():
     expected = {left.format_map(numbers): right.format_map(numbers) for left, right in PAGE_ROWS.items()}
     assert {left: right for left, right in rows if left in expected} == expected
     # other rows are of parameters in EQUIVALENTS or have no number; a new row belongs in PAGE_ROWS
-    assert len(rows) == len(expected) + 5
+    assert len(rows) == len(expected) + 6
