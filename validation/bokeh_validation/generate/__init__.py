@@ -246,9 +246,10 @@ def choices() -> Iterator[str]:
         color, depth = (round(planned["fetches"][kind]) for kind in ("color", "depth"))
         count = f"{color} of colour, {depth} of depth" if depth > 1 else color + depth
         yield f"| {wish} | {method} | {len(planned['passes'])} | {count} |"
-    page = "methods/polygons.md#shapes-and-methods"
-    yield f"| triangles, pentagons, stars | `paper`, [with passes for the shape]({page}) | 5 to 7 | depends on the shape |"
-    yield "| any other shape | `naive`, which gathers at sample offsets that you supply in a table | 3 | depends on the table |"
+    paper = "`paper`, [with passes for the shape](methods/polygons.md#shapes-and-methods)"
+    yield f"| triangles, pentagons, stars | {paper} | 5 to 7 | depends on the shape |"
+    naive = "`naive`, which gathers at sample offsets that you supply in a table"
+    yield f"| any other shape | {naive} | 3 | depends on the table |"
 
 
 def passes_page() -> Iterator[str]:
