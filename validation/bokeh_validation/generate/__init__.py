@@ -254,7 +254,7 @@ def choices() -> Iterator[str]:
 
 def passes_page() -> Iterator[str]:
     """Yield the lines of docs/reference/passes.md."""
-    yield from ("## What a frame costs", "", "A hexagon:", "")
+    yield from ("## What a frame costs", "", "Each row is a whole frame with a hexagon:", "")
     yield _cells("method", "preset", "passes", "fetches of colour", "of depth")
     yield f"|{'---|' * 5}"
     for method in ("exact", "layered"):
@@ -266,8 +266,8 @@ def passes_page() -> Iterator[str]:
     for method, aperture in SHOWN:
         yield from _section(plan.frame(methods.Settings(method, aperture), PAGE_SIZE))
     yield from ("## Other polygons, and one target a pass", "")
-    yield "Preset MEDIUM. `naive` also fetches the 127 offsets of its table. In the last two columns, passes have one"
-    yield "target each."
+    yield "Each row is a whole frame with preset MEDIUM. The last two columns are for passes that write one target each."
+    yield "`naive` also fetches the 127 offsets of its table, which are not counted here."
     yield ""
     yield _cells(
         "method",
@@ -278,7 +278,7 @@ def passes_page() -> Iterator[str]:
         "MB",
         "MB shared",
         "one target: passes",
-        "one target: fetches",
+        "one target: fetches of colour",
     )
     yield f"|{'---|' * 9}"
     for method, aperture in COUNTED:

@@ -4,11 +4,11 @@ from typing import NamedTuple
 
 
 class Parameter(NamedTuple):
-    """Hold a row of the table in docs/reference/parameters.md, which explains the abbreviations.
+    """Hold a row of the table in docs/reference/parameters.md, which explains the units.
 
     default  the value unless a pass sets another
     unit     m, pixels, radians; height: of the image; CoC: its diameter; depth: a fraction of the depth buffer's size
-    meaning  and range; a letter in parentheses stands for the constant that it requires
+    meaning  and range, and the constant that it requires
     """
 
     default: float
@@ -18,62 +18,91 @@ class Parameter(NamedTuple):
 
 # Parameter i is register c(i) of shader model 3 and byte offset 4 i of the block.
 BLOCK = {
-    "BokehApertureDiameter": Parameter(0.05, "m", "A of Listing 1: f / f-stop ([lens.md](../lens.md))"),
-    "BokehFocalLength": Parameter(0.05, "m", "f"),
-    "BokehFocusDistance": Parameter(5.0, "m", "S1, more than f"),
-    "BokehSensorHeight": Parameter(0.024, "m", "35 mm film"),
-    "BokehMaxCoC": Parameter(0.1, "height", "limit of the CoC, 0 .. 1"),
-    "BokehConstantCoC": Parameter(0.0, "height", "ConstantCoC: the CoC everywhere"),
-    "BokehAspectRatio": Parameter(1.0, "", "width / height of the image"),
-    "BokehAngle": Parameter(0.0, "radians", "of the polygon; paper: of the line"),
-    "BokehAngleB": Parameter(0.0, "radians", "NaiveGrid: the other side"),
+    "BokehApertureDiameter": Parameter(
+        0.05, "m", "diameter of the aperture: bokeh scale * focal length / f-stop ([lens.md](../lens.md))"
+    ),
+    "BokehFocalLength": Parameter(0.05, "m", "focal length of the lens"),
+    "BokehFocusDistance": Parameter(
+        5.0, "m", "distance along the view axis at which objects are sharp; more than the focal length"
+    ),
+    "BokehSensorHeight": Parameter(0.024, "m", "height of the sensor; 0.024 is 35 mm film"),
+    "BokehMaxCoC": Parameter(0.1, "height", "largest CoC that is drawn, 0 to 1; a larger CoC is reduced to it"),
+    "BokehConstantCoC": Parameter(0.0, "height", "pass ConstantCoC: the CoC of all pixels"),
+    "BokehAspectRatio": Parameter(1.0, "", "width of the image / its height"),
+    "BokehAngle": Parameter(
+        0.0, "radians", "rotation of the polygon; in the line passes of paper: direction of the line"
+    ),
+    "BokehAngleB": Parameter(0.0, "radians", "pass NaiveGrid: direction of the second side of the grid"),
     "BokehBleedingBias": Parameter(
-        0.02, "height", "CoC difference that passes the leakage test; 2 turns it off; no effect on a hexagon of exact"
+        0.02,
+        "height",
+        "leakage test of paper, naive and exact (except hexagons): how much larger the CoC of the pixel "
+        "may be than that of the sample; 2 turns the test off",
     ),
-    "BokehBleedingMult": Parameter(30.0, "1/height", "weight per CoC; exact: not the hexagon"),
-    "BokehBlurCoC": Parameter(1.0, "", "paper: 1 averages the CoC with the colour"),
-    "BokehUseMax": Parameter(0.0, "", "paper: 0 min, 1 max"),
-    "BokehDebugMode": Parameter(0.0, "", "0 colour, 1 depth, 2 CoC, 3 near and far"),
-    "BokehLineLength": Parameter(1.0, "CoC", "Adaptive: of the line"),
-    "BokehLineCenterX": Parameter(0.0, "CoC", "its middle, to the right"),
-    "BokehLineCenterY": Parameter(0.0, "CoC", "towards the last row"),
-    "BokehSqueeze": Parameter(1.0, "", "width of the bokeh / its height"),
-    "BokehSpacing": Parameter(0.0, "pixels", "between samples; 0: as the preset"),
-    "BokehImageWidth": Parameter(1.0, "pixels", "of the image"),
-    "BokehImageHeight": Parameter(1.0, "pixels", ""),
-    "BokehJitter": Parameter(0.0, "", "[amount of noise](#jitter), 0 .. 1 (J)"),
-    "BokehFrame": Parameter(0.0, "", "number of the frame (J)"),
-    "BokehSides": Parameter(6.0, "", "4, 6, 8 or 10; 0 counts as 6"),
-    "BokehDepthKind": Parameter(
+    "BokehBleedingMult": Parameter(
+        30.0, "1/height", "weight of a sample that fails the leakage test: the CoC of the sample * this number"
+    ),
+    "BokehBlurCoC": Parameter(1.0, "", "paper, naive: 1 also blurs the CoC, 0 keeps the CoC of each pixel"),
+    "BokehUseMax": Parameter(0.0, "", "passes that end in Final: combine two lines by 0 the minimum, 1 the maximum"),
+    "BokehDebugMode": Parameter(
+        0.0, "", "pass Debug: shows 0 colour, 1 depth, 2 the CoC, 3 what is near and what is far"
+    ),
+    "BokehLineLength": Parameter(1.0, "CoC", "passes Adaptive and AdaptiveFinal: length of the line"),
+    "BokehLineCenterX": Parameter(
+        0.0, "CoC", "passes Adaptive and AdaptiveFinal: how far the middle of the line is to the right of the pixel"
+    ),
+    "BokehLineCenterY": Parameter(
         0.0,
-        "",
-        "what the depth buffer holds: 0 metres, 1 window, 2 reversed, 3 reversed infinite, 4 clip, 5 orthographic, "
-        "6 orthographic reversed, 7 fraction of Far, 8 logarithmic, "
-        "9 metres times opacity, and opacity",
+        "CoC",
+        "passes Adaptive and AdaptiveFinal: how far the middle of the line is from the pixel, towards the last row",
     ),
-    "BokehNear": Parameter(0.1, "m", "near plane"),
-    "BokehFar": Parameter(1000.0, "m", "far plane"),
-    "BokehViewportX": Parameter(0.0, "pixels", "first column of the image (V)"),
-    "BokehViewportY": Parameter(0.0, "pixels", "first row (V)"),
-    "BokehTextureWidth": Parameter(1.0, "pixels", "of the textures (V)"),
-    "BokehTextureHeight": Parameter(1.0, "pixels", "(V)"),
-    "BokehPassIndex": Parameter(0.0, "", "Adaptive: number of the line pass (J)"),
-    "BokehAxis": Parameter(0.0, "", "TileDilate: 0 along rows, 1 columns"),
-    "BokehLayer": Parameter(0.0, "", "passes of one layer: 0 near, 1 far"),
-    "BokehCatsEye": Parameter(0.0, "", "fraction cut off in the corners, 0 .. 0.9 (L)"),
-    "BokehRoundness": Parameter(1.0, "", "octagon: 0 square, 1 regular (L)"),
-    "BokehLateral": Parameter(0.0, "", "LateralColor: how much larger red is, -0.1 .. 0.1"),
-    "BokehFrontRange": Parameter(0.0, "m", "sharp range in front of the focus distance (F)"),
-    "BokehBackRange": Parameter(0.0, "m", "sharp range behind the focus distance (F)"),
-    "BokehNearScale": Parameter(1.0, "", "factor of the CoC in front of the focus distance (F)"),
-    "BokehFarScale": Parameter(1.0, "", "factor of the CoC behind the focus distance (F)"),
-    "BokehNearMaxCoC": Parameter(1.0, "height", "limit of the CoC in front of the focus distance (F)"),
-    "BokehFarMaxCoC": Parameter(1.0, "height", "limit of the CoC behind the focus distance (F)"),
-    "BokehDepthX": Parameter(0.0, "depth", "left edge of the image in the depth buffer (F)"),
-    "BokehDepthY": Parameter(0.0, "depth", "first row of the image in the depth buffer (F)"),
-    "BokehDepthWidth": Parameter(1.0, "depth", "width of the image in the depth buffer (F)"),
-    "BokehDepthHeight": Parameter(1.0, "depth", "height of the image in the depth buffer (F)"),
-    "BokehStableBlend": Parameter(0.0, "", "StableMap: weight of this frame; 1 starts anew"),
+    "BokehSqueeze": Parameter(1.0, "", "width of the bokeh / its height"),
+    "BokehSpacing": Parameter(0.0, "pixels", "distance between samples; 0 takes the preset's"),
+    "BokehImageWidth": Parameter(1.0, "pixels", "width of the image"),
+    "BokehImageHeight": Parameter(1.0, "pixels", "height of the image"),
+    "BokehJitter": Parameter(0.0, "", "[amount of noise](#jitter), 0 to 1; needs `BOKEH_JITTER`"),
+    "BokehFrame": Parameter(0.0, "", "number of the frame, for the noise; needs `BOKEH_JITTER`"),
+    "BokehSides": Parameter(6.0, "", "number of sides, 4, 6, 8 or 10; 0 means 6"),
+    "BokehDepthKind": Parameter(0.0, "", "[kind of depth](../inputs.md#depth) in the depth buffer, 0 to 9"),
+    "BokehNear": Parameter(0.1, "m", "distance of the camera's near plane"),
+    "BokehFar": Parameter(1000.0, "m", "distance of the camera's far plane"),
+    "BokehViewportX": Parameter(0.0, "pixels", "first column of the image in its textures; needs `BOKEH_VIEWPORT`"),
+    "BokehViewportY": Parameter(0.0, "pixels", "first row of the image in its textures; needs `BOKEH_VIEWPORT`"),
+    "BokehTextureWidth": Parameter(1.0, "pixels", "width of the full-size textures; needs `BOKEH_VIEWPORT`"),
+    "BokehTextureHeight": Parameter(1.0, "pixels", "height of the full-size textures; needs `BOKEH_VIEWPORT`"),
+    "BokehPassIndex": Parameter(
+        0.0, "", "passes Adaptive and AdaptiveFinal: number of the line pass, for the noise; needs `BOKEH_JITTER`"
+    ),
+    "BokehAxis": Parameter(0.0, "", "pass TileDilate: searches 0 along rows, 1 along columns"),
+    "BokehLayer": Parameter(0.0, "", "passes of layered that draw a single layer: 0 near, 1 far"),
+    "BokehCatsEye": Parameter(
+        0.0, "", "fraction of the bokeh that is cut off in the corners, 0 to 0.9; needs `BOKEH_LENS_SHAPE`"
+    ),
+    "BokehRoundness": Parameter(
+        1.0, "", "shape of an octagon: 0 a square, 1 a regular octagon; needs `BOKEH_LENS_SHAPE`"
+    ),
+    "BokehLateral": Parameter(
+        0.0, "", "pass LateralColor: fraction by which red is larger and blue is smaller, -0.1 to 0.1"
+    ),
+    "BokehFrontRange": Parameter(
+        0.0, "m", "how far in front of the focus distance objects stay sharp; needs `BOKEH_FOCUS_CONTROLS`"
+    ),
+    "BokehBackRange": Parameter(
+        0.0, "m", "how far behind the focus distance objects stay sharp; needs `BOKEH_FOCUS_CONTROLS`"
+    ),
+    "BokehNearScale": Parameter(1.0, "", "factor of the CoC in front of the focus; needs `BOKEH_FOCUS_CONTROLS`"),
+    "BokehFarScale": Parameter(1.0, "", "factor of the CoC behind the focus; needs `BOKEH_FOCUS_CONTROLS`"),
+    "BokehNearMaxCoC": Parameter(1.0, "height", "largest CoC in front of the focus; needs `BOKEH_FOCUS_CONTROLS`"),
+    "BokehFarMaxCoC": Parameter(1.0, "height", "largest CoC behind the focus; needs `BOKEH_FOCUS_CONTROLS`"),
+    "BokehDepthX": Parameter(0.0, "depth", "left edge of the image in the depth texture; needs `BOKEH_FOCUS_CONTROLS`"),
+    "BokehDepthY": Parameter(0.0, "depth", "first row of the image in the depth texture; needs `BOKEH_FOCUS_CONTROLS`"),
+    "BokehDepthWidth": Parameter(1.0, "depth", "width of the image in the depth texture; needs `BOKEH_FOCUS_CONTROLS`"),
+    "BokehDepthHeight": Parameter(
+        1.0, "depth", "height of the image in the depth texture; needs `BOKEH_FOCUS_CONTROLS`"
+    ),
+    "BokehStableBlend": Parameter(
+        0.0, "", "pass StableMap: weight of this frame, 0; or 1 to forget earlier frames, after a cut for example"
+    ),
 }
 PARAMETERS = {name: parameter.default for name, parameter in BLOCK.items()}
 
