@@ -266,7 +266,7 @@ def passes_page() -> Iterator[str]:
     for method, aperture in SHOWN:
         yield from _section(plan.frame(methods.Settings(method, aperture), PAGE_SIZE))
     yield from ("## Other polygons, and one target a pass", "")
-    yield "Each row is a whole frame with preset MEDIUM. The last two columns are for passes that write one target each."
+    yield "Each row is a whole frame with preset MEDIUM. In the last two columns, each pass writes only one target."
     yield "`naive` also fetches the 127 offsets of its table, which are not counted here."
     yield ""
     yield _cells(
