@@ -15,6 +15,12 @@ const SIZE = [160, 120];
 const ODD_SIZE = [157, 117];
 const SHAPES = { hexagon: 6, square: 4, octagon: 8, decagon: 10 };
 const METHODS = ['layered', 'exact']; // the default first
+// Once more as the sample's user rotates and squeezes it, degrees clockwise
+const ROTATED = { exact: 'square' };
+const CLOCKWISE = 10;
+const SQUEEZE = 0.75;
+const uniformsOf = (rotated) => (rotated ? { rotation: (CLOCKWISE * Math.PI) / 180, squeeze: SQUEEZE } : {});
+const keysOf = (rotated) => (rotated ? { clockwise: CLOCKWISE, squeeze: SQUEEZE } : {});
 
 const base64 = (array) => new Uint8Array(array.buffer, array.byteOffset, array.byteLength).toBase64();
 
@@ -84,22 +90,21 @@ export async function capture(kind) {
   await draw(sample, {}, [2 * WIDTH, 2 * HEIGHT]);
   const picture = await new Promise((done) => engine.getRenderingCanvas().toBlob(done));
   const files = { 'picture.png': base64(await picture.bytes()) };
-  for (const method of METHODS) {
-    for (const [aperture, sides] of Object.entries(SHAPES)) {
-      const name = `${method}-${aperture}`;
-      const [width, height] = method === 'layered' ? ODD_SIZE : SIZE;
-      await draw(sample, { method, sides, opaque: false }, [width, height]);
-      const shot = { name, method, aperture, width, height, ...settings(sample.bokeh.uniforms) };
-      for (const [what, array] of Object.entries(await readFrame(sample))) {
-        shot[what] = `${name}-${what}.${array.BYTES_PER_ELEMENT === 2 ? 'f16' : 'f32'}`;
-        files[shot[what]] = base64(array);
-      }
-      if (method === 'layered') {
-        shot.written = `${name}.written`;
-        files[shot.written] = base64(await readPasses(sample));
-      }
-      data.shots.push(shot);
+  const rows = METHODS.flatMap((method) => Object.keys(SHAPES).map((aperture) => [`${method}-${aperture}`, method, aperture]));
+  for (const [method, aperture] of Object.entries(ROTATED)) rows.push([`rotated-${method}`, method, aperture, true]);
+  for (const [name, method, aperture, rotated = false] of rows) {
+    const [width, height] = method === 'layered' ? ODD_SIZE : SIZE;
+    await draw(sample, { method, sides: SHAPES[aperture], opaque: false }, [width, height], uniformsOf(rotated));
+    const shot = { name, method, aperture, width, height, ...keysOf(rotated), ...settings(sample.bokeh.uniforms) };
+    for (const [what, array] of Object.entries(await readFrame(sample))) {
+      shot[what] = `${name}-${what}.${array.BYTES_PER_ELEMENT === 2 ? 'f16' : 'f32'}`;
+      files[shot[what]] = base64(array);
     }
+    if (method === 'layered') {
+      shot.written = `${name}.written`;
+      files[shot.written] = base64(await readPasses(sample));
+    }
+    data.shots.push(shot);
   }
   data.pull = pulled(sample);
   const [width, height] = ODD_SIZE;

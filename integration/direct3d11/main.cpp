@@ -529,18 +529,22 @@ static void write_targets(const char *folder, const Shot &written)
 static void capture(const char *folder)
 {
     static char pixels[WIDTH * HEIGHT * 3 * 8];
-    CapturedShot shots[NUM_SHOTS];
+    CapturedShot shots[NUM_SHOTS + 1];
+    const Shot rotated = {"rotated", "exact", "octagon", EXACT_OCTAGON};
     Target picture = make_target(WIDTH * 3, HEIGHT, DXGI_FORMAT_B8G8R8A8_UNORM);
-    for (int i = 0; i < NUM_SHOTS; i++) {
+    // the last one is an octagon once more, rotated as the angle is here: clockwise on the screen
+    for (int i = 0; i <= NUM_SHOTS; i++) {
+        const float clockwise = i == NUM_SHOTS ? 10.0f : 0.0f;
         char name[64];
-        shot = &SHOTS[i];
+        shot = i == NUM_SHOTS ? &rotated : &SHOTS[i];
+        parameters.Angle = clockwise * PI / 180.0f;
         draw_frame();
         read_back(textures["result"], 8, pixels);
         snprintf(name, sizeof name, "%s.f16", shot->name);
         write_file(folder, name, pixels, WIDTH * HEIGHT * 8);
         if (!strcmp(shot->method, "layered"))
             write_targets(folder, *shot);
-        shots[i] = {shot->name, shot->method, shot->aperture, parameters.FocusDistance};
+        shots[i] = {shot->name, shot->method, shot->aperture, parameters.FocusDistance, clockwise};
         if (i == 0) {
             parameters.DebugMode = 3.0f;
             show("Display_PS", "color", picture.target, 0, WIDTH, HEIGHT);
@@ -570,7 +574,7 @@ static void capture(const char *folder)
     }
     char stored[64];
     snprintf(stored, sizeof stored, "{\"kind\": 1, \"near\": %.9g, \"far\": %.9g}", Z_NEAR, Z_FAR);
-    write_capture(folder, "Direct3D 11", name, stored, shots, NUM_SHOTS, &pulled);
+    write_capture(folder, "Direct3D 11", name, stored, shots, NUM_SHOTS + 1, &pulled);
 }
 
 int main(int argc, char **argv)

@@ -14,7 +14,7 @@
 
 typedef struct {
     const char *name, *method, *aperture;
-    float focus_distance;
+    float focus_distance, clockwise; /* metres; degrees */
 } CapturedShot;
 
 /* The autofocus at a pixel: depths, then the focus distance after each frame. */
@@ -80,6 +80,8 @@ static void write_capture(const char *folder, const char *engine, const char *ad
             fprintf(file, " \"depth\": \"metres.f32\",");
         else if (stored)
             fprintf(file, " \"stored\": %s,", stored);
+        if (shot->clockwise)
+            fprintf(file, " \"clockwise\": %.9g,", shot->clockwise);
         if (!strcmp(shot->method, "layered"))
             fprintf(file, " \"written\": \"%s.written\",", shot->name);
         fprintf(file, "\n   \"camera\": {\"aperture_diameter\": %.9g, \"focal_length\": %.9g, \"focus_distance\": %.9g,"

@@ -504,19 +504,22 @@ static void write_targets(const char *folder, const Shot *written)
 static void capture(const char *folder)
 {
     static char pixels[WIDTH * HEIGHT * 3 * 8];
-    CapturedShot shots[NUM_SHOTS];
+    CapturedShot shots[NUM_SHOTS + 1];
     D3DADAPTER_IDENTIFIER9 adapter;
     Target picture = make_target(WIDTH * 3, HEIGHT, D3DFMT_X8R8G8B8);
-    for (int i = 0; i < NUM_SHOTS; i++) {
+    /* the last one is an octagon once more, rotated as the angle is here: clockwise on the screen */
+    for (int i = 0; i <= NUM_SHOTS; i++) {
+        const float clockwise = i == NUM_SHOTS ? 10.0f : 0.0f;
         char name[64];
-        shot = &SHOTS[i];
+        shot = i == NUM_SHOTS ? &(Shot){"rotated", "exact", "octagon", EXACT_OCTAGON} : &SHOTS[i];
+        parameters.Angle = clockwise * 3.14159265f / 180.0f;
         draw_frame();
         read_back(find("result"), 8, pixels);
         snprintf(name, sizeof name, "%s.f16", shot->name);
         write_file(folder, name, pixels, WIDTH * HEIGHT * 8);
         if (!strcmp(shot->method, "layered"))
             write_targets(folder, shot);
-        shots[i] = (CapturedShot){shot->name, shot->method, shot->aperture, parameters.FocusDistance};
+        shots[i] = (CapturedShot){shot->name, shot->method, shot->aperture, parameters.FocusDistance, clockwise};
         if (i == 0) {
             CHECK(IDirect3DDevice9_BeginScene(device));
             parameters.DebugMode = 3.0f;
@@ -543,7 +546,7 @@ static void capture(const char *folder)
         pull_focus(pulled.frame);
         pulled.distances[i] = parameters.FocusDistance;
     }
-    write_capture(folder, "Direct3D 9", adapter.Description, NULL, shots, NUM_SHOTS, &pulled);
+    write_capture(folder, "Direct3D 9", adapter.Description, NULL, shots, NUM_SHOTS + 1, &pulled);
 }
 
 int main(int argc, char **argv)

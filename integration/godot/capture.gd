@@ -13,6 +13,9 @@ const SHAPES := {
 	exact = { square = 4, hexagon = 6, octagon = 8, decagon = 10 },
 	paper = { hexagon = 6, octagon = 8 },
 }
+# once more as the sample's user rotates them
+const ROTATED := { exact = "square", paper = "hexagon" }
+const CLOCKWISE := 10.0
 # so that Godot's preprocessor meets every preset; all others have MEDIUM
 const PRESETS := { square = "LOW", octagon = "HIGH", decagon = "ULTRA" }
 # Godot's image of a viewport has 8 bits a channel, so floats go out as their bytes.
@@ -60,22 +63,29 @@ func capture(shapes: Variant) -> Dictionary:
 	for method: String in shapes:
 		for aperture: String in shapes[method]:
 			data.shots.append(await _shot(files, method, aperture, shapes[method][aperture]))
+	for method: String in ROTATED if shapes == SHAPES else []:
+		var aperture: String = ROTATED[method]
+		data.shots.append(await _shot(files, method, aperture, SHAPES[method][aperture], CLOCKWISE))
 	return { data = data, files = files }
 
 
-func _shot(files: Dictionary, method: String, aperture: String, sides: int) -> Dictionary:
+# clockwise: degrees
+func _shot(files: Dictionary, method: String, aperture: String, sides: int, clockwise := 0.0) -> Dictionary:
 	var size := ODD if method == "layered" else SHOT
 	var host := _host(size)
 	var bokeh: PolygonBokeh = host.get_child(0).bokeh
 	bokeh.method = method
 	bokeh.sides = sides
 	bokeh.preset = PRESETS.get(aperture, "MEDIUM") if method != "paper" else "MEDIUM"
+	bokeh.rotation = deg_to_rad(clockwise)
 	await _drawn()
-	var title := "%s-%s" % [method, aperture]
+	var title := "%s-%s" % [method, aperture] if clockwise == 0.0 else "rotated-" + method
 	var shot := {
 		name = title, method = method, aperture = aperture, width = size.x, height = size.y,
 		use_mrt = false, preset = bokeh.preset.to_lower(),
 	}
+	if clockwise != 0.0:
+		shot.clockwise = clockwise
 	if method == "paper":
 		shot.merge({ samples = 9, spacing = 1.5 }) # what the preset stands for
 	var textures := bokeh.textures

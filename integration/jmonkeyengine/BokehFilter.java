@@ -58,6 +58,7 @@ public class BokehFilter extends Filter {
 
     private float fStop = 2.8f, bokehScale = 10.0f;
     private float focusDistance = 5f;
+    private float rotation;
 
     private Spatial focusScene;
     private Vector2f[] focusPoints = {};
@@ -81,6 +82,11 @@ public class BokehFilter extends Filter {
     /** How many times wider the blur is than that lens's: 1 is the real lens (docs/lens.md), 0 is none. */
     public void setBokehScale(float bokehScale) {
         this.bokehScale = bokehScale;
+    }
+
+    /** Rotates the polygon, clockwise on the screen, radians. */
+    public void setRotation(float radians) {
+        rotation = radians;
     }
 
     /** A depth along the view axis, metres. Ends the autofocus. */
@@ -146,6 +152,8 @@ public class BokehFilter extends Filter {
         float focalLength = 0.5f * SENSOR_HEIGHT * Math.abs(camera.getProjectionMatrix().m11);
         for (Pass pass : postRenderPasses) {
             Material material = pass.getPassMaterial();
+            // v grows upwards, where the shaders' angle is counter-clockwise; the paper's lines have angles of their own
+            material.setFloat("Angle", ((StepPass) pass).step.sets.getOrDefault("Angle", 0f) - rotation);
             material.setFloat("FocalLength", focalLength);
             material.setFloat("ApertureDiameter", focalLength / fStop * bokehScale);
             material.setFloat("FocusDistance", focusDistance);

@@ -1,3 +1,4 @@
+import com.jme3.math.FastMath;
 import com.jme3.math.Vector2f;
 import com.jme3.system.JmeVersion;
 import com.jme3.texture.Image.Format;
@@ -34,7 +35,10 @@ public class Capture extends Sample {
             shot("exact-hexagon", STORED),
             shot("exact-octagon", Apertures.EXACT_OCTAGON),
             shot("paper-hexagon", Apertures.PAPER_HEXAGON),
-            shot("paper-octagon", Apertures.PAPER_OCTAGON));
+            shot("paper-octagon", Apertures.PAPER_OCTAGON),
+            shot("exact-octagon-rotated", Apertures.EXACT_OCTAGON),
+            shot("paper-hexagon-rotated", Apertures.PAPER_HEXAGON));
+    private static final float CLOCKWISE = 10f;
     // frames of a pull to the ball, which is nearer than the tower
     private static final int PULLED = 12;
 
@@ -68,6 +72,7 @@ public class Capture extends Sample {
     void show(Shot shot, int index) {
         if (index < SHOTS.size()) {
             super.show(shot, index);
+            bokeh.setRotation(shot.name().endsWith("rotated") ? CLOCKWISE * FastMath.DEG_TO_RAD : 0f);
         } else if (index == SHOTS.size()) {
             bokeh.setAutofocus(rootNode, PULL_SECONDS, Scene.TOWER, Scene.BALL);
         }
@@ -91,6 +96,9 @@ public class Capture extends Sample {
             // what the preset MEDIUM stands for
             more = ", \"depth\": \"metres.f32\", \"stored\": null, \"spacing\": 1.5, \"samples\": 9";
             write("metres.f32", texture("metres"), Format.R32F);
+        }
+        if (name.endsWith("rotated")) {
+            more += ", \"clockwise\": " + CLOCKWISE;
         }
         if (shot.table() == STORED) {
             write("depth.f32", texture("stored"), Format.R32F);

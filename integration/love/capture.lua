@@ -9,7 +9,8 @@ local Scene = require("scene")
 -- a size that 2, 4 and 8 do not divide
 local WIDTH, HEIGHT = 285, 189
 local SHOTS = { { "layered", "hexagon", 6 }, { "layered", "octagon", 8 }, { "exact", "hexagon", 6 },
-  { "exact", "octagon", 8 }, { "exact", "square", 4, "LOW" }, { "exact", "decagon", 10, "ULTRA" } }
+  { "exact", "octagon", 8 }, { "exact", "square", 4, "LOW" }, { "exact", "decagon", 10, "ULTRA" },
+  { "exact", "square", 4, "MEDIUM", 10 } } -- the last one rotated, degrees clockwise
 
 -- Text of a value as JSON; numbers are rounded to what a shader gets
 local function json(value)
@@ -69,11 +70,12 @@ return function(folder, addBokeh)
   scene:draw()
   local shots, bokeh = {}, nil
   for i, shot in ipairs(SHOTS) do
-    local method, aperture, sides, preset = unpack(shot)
-    local name = method .. "-" .. aperture
+    local method, aperture, sides, preset, clockwise = unpack(shot)
+    local name = method .. "-" .. aperture .. (clockwise and "-rotated" or "")
     bokeh = addBokeh(scene, { method = method, sides = sides, preset = preset })
+    bokeh.uniforms.rotation = math.rad(clockwise or 0)
     shots[i] = { name = name, method = method, aperture = aperture, result = name .. ".f16",
-      preset = (preset or "MEDIUM"):lower() }
+      preset = (preset or "MEDIUM"):lower(), clockwise = clockwise }
     write(folder .. "/" .. name .. ".f16", bokeh:draw(scene.color, scene.depth))
     if method == "layered" then
       shots[i].written = name .. ".written"

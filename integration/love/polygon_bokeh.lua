@@ -182,7 +182,8 @@ end
 function PolygonBokeh.new(library, width, height, options)
   options = options or {}
   local sides, self = options.sides or 6, setmetatable({}, PolygonBokeh)
-  -- To be set from outside. Metres, but for maxCoC (fraction of the image height) and rotation (radians).
+  -- To be set from outside. Metres, but for maxCoC (fraction of the image height) and rotation (radians, clockwise on the
+  -- screen: v grows downwards here).
   self.uniforms = {
     zNear = 0.1, zFar = 1000, apertureDiameter = 0.179, focalLength = 0.05, focusDistance = 5, sensorHeight = 0.024,
     maxCoC = 0.1, rotation = 0, squeeze = 1,

@@ -68,13 +68,16 @@ inline void capture(const std::string& folder, Ogre::Viewport* viewport,
     Ogre::CompositorInstance* tone)
 {
     std::string shots, camera, stored, pull;
-    for (const auto& [method, aperture, sides] : std::vector<std::tuple<std::string, std::string, int>>{
-             {"layered", "hexagon", 6}, {"layered", "octagon", 8}, {"exact", "hexagon", 6}, {"exact", "octagon", 8},
-             {"exact", "square", 4}, {"exact", "decagon", 10}})
+    // degrees clockwise last
+    for (const auto& [method, aperture, sides, clockwise] : std::vector<std::tuple<std::string, std::string, int, float>>{
+             {"layered", "hexagon", 6, 0}, {"layered", "octagon", 8, 0}, {"exact", "hexagon", 6, 0},
+             {"exact", "octagon", 8, 0}, {"exact", "square", 4, 0}, {"exact", "decagon", 10, 0},
+             {"exact", "square", 4, 10}})
     {
-        const std::string name = method + "-" + aperture;
+        const std::string name = method + "-" + aperture + (clockwise ? "-rotated" : "");
         const bool layered = method == "layered";
         const auto bokeh = make(layered ? PolygonBokeh::layered(sides) : PolygonBokeh::exact(sides));
+        bokeh->uniforms["BokehAngle"] = Ogre::Degree(clockwise).valueRadians();
         viewport->getTarget()->update();
         const std::string result = bytesOf(tone->getTextureInstance("picture", 0));
         write(folder + "/" + name + ".f16", result);
@@ -94,7 +97,7 @@ inline void capture(const std::string& folder, Ogre::Viewport* viewport,
             write(folder + "/" + name + ".written", written + result);
             shots += ", \"written\": \"" + name + ".written\"";
         }
-        shots += "}";
+        shots += (clockwise ? ", \"clockwise\": " + number(clockwise) : "") + "}";
         write(folder + "/color.f16", bytesOf(bokeh->texture("color")));
         write(folder + "/depth.f32", bytesOf(bokeh->texture("depth")));
         auto& uniforms = bokeh->uniforms;

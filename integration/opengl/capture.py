@@ -6,6 +6,7 @@ rows, v = 0 first; capture.json says what they are.
 
 import json
 import sys
+from math import radians
 from pathlib import Path
 
 import moderngl
@@ -21,7 +22,10 @@ SHOTS = {
     "exact-octagon": EXACT_OCTAGON,
     "paper-hexagon": PAPER_HEXAGON,
     "paper-octagon": PAPER_OCTAGON,
+    "exact-octagon-rotated": EXACT_OCTAGON,
 }
+# degrees, of the one whose name says so: in OpenGL v grows upwards, so that a negative angle is clockwise on the screen
+CLOCKWISE = 10.0
 # under which the autofocus looks
 POINTS = ((304, 82), (190, 128))
 
@@ -45,11 +49,14 @@ def main(folder):
     shots = []
     for name, table in SHOTS.items():
         passes, result = depth_of_field(context, renderer.color, renderer.depth, table)
+        angle = -radians(CLOCKWISE) if name.endswith("rotated") else 0.0
         for step in passes:
-            step.draw(BokehFocusDistance=focus, **LENS, **IMAGE, **DEPTH, **BLUR, **PAPER)
+            step.draw(BokehFocusDistance=focus, BokehAngle=angle, **LENS, **IMAGE, **DEPTH, **BLUR, **PAPER)
         (folder / f"{name}.f16").write_bytes(result.read())
-        method, aperture = name.split("-")
+        method, aperture = name.split("-")[:2]
         shot = {"name": name, "method": method, "aperture": aperture, "result": f"{name}.f16"}
+        if name.endswith("rotated"):
+            shot["clockwise"] = CLOCKWISE
         if method == "layered":
             shot["written"] = f"{name}.written"
             targets = [target for step in passes for target in step.framebuffer.color_attachments]

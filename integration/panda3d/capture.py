@@ -7,6 +7,7 @@ v = 0 first; capture.json says what they are.
 import json
 import sys
 from array import array
+from math import radians
 from pathlib import Path
 from struct import pack, unpack
 
@@ -17,6 +18,9 @@ from sample import frames, start
 
 SIDES = {"hexagon": 6, "octagon": 8}
 SHOTS = ("layered-hexagon", "layered-octagon", "exact-hexagon", "exact-octagon", "paper-hexagon", "paper-octagon")
+# once more, degrees clockwise
+ROTATED = ("exact-octagon-rotated", "paper-hexagon-rotated")
+CLOCKWISE = 10.0
 # under which the autofocus looks
 POINTS = ((304, 82), (190, 128))
 
@@ -54,11 +58,14 @@ def main(folder):
     effect.parameters["BokehMaxCoC"] = 0.12
     effect.focus_on(panda)
     shots = []
-    for name in SHOTS:
-        method, aperture = name.split("-")
+    for name in SHOTS + ROTATED:
+        method, aperture = name.split("-")[:2]
+        effect.rotation = radians(CLOCKWISE) if name in ROTATED else 0.0
         effect.change(method, SIDES[aperture])
         frames(base)
         shot = {"name": name, "method": method, "aperture": aperture, "result": f"{name}.f16"}
+        if name in ROTATED:
+            shot["clockwise"] = CLOCKWISE
         (folder / shot["result"]).write_bytes(pixels(base, effect.textures["result"], "e"))
         if method == "layered":
             shot["written"] = f"{name}.written"

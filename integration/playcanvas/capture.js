@@ -17,6 +17,12 @@ const SHAPES = {
   exact: { square: 4, hexagon: 6, octagon: 8, decagon: 10 },
   paper: { hexagon: 6, octagon: 8 },
 };
+// Once more as the sample's user rotates and squeezes it, degrees clockwise
+const ROTATED = { exact: 'square', paper: 'hexagon' };
+const CLOCKWISE = 10;
+const SQUEEZE = 0.75;
+const uniformsOf = (rotated) => (rotated ? { rotation: (CLOCKWISE * Math.PI) / 180, squeeze: SQUEEZE } : {});
+const keysOf = (rotated) => (rotated ? { clockwise: CLOCKWISE, squeeze: SQUEEZE } : {});
 
 const base64 = (array) => new Uint8Array(array.buffer, array.byteOffset, array.byteLength).toBase64();
 
@@ -71,22 +77,25 @@ export async function capture() {
   app.renderNextFrame = true;
   const picture = await new Promise((done) => app.once('frameend', () => canvas.toBlob(done)));
   const files = { 'picture.png': base64(await picture.bytes()) };
-  for (const [method, shapes] of Object.entries(SHAPES)) {
-    for (const [aperture, sides] of Object.entries(shapes)) {
-      const name = `${method}-${aperture}`;
-      const [width, height] = method === 'layered' ? ODD_SIZE : SIZE;
-      const frame = await draw({ method, sides, opaque: false }, [width, height]);
-      const shot = { name, method, aperture, width, height, ...settings(method, frame) };
-      for (const [what, array] of Object.entries(await read(frame))) {
-        shot[what] = `${name}-${what}.${array.BYTES_PER_ELEMENT === 2 ? 'f16' : 'f32'}`;
-        files[shot[what]] = base64(array);
-      }
-      if (method === 'layered') {
-        shot.written = `${name}.written`;
-        files[shot.written] = base64(await written(frame));
-      }
-      data.shots.push(shot);
+  const rows = Object.entries(SHAPES).flatMap(([method, shapes]) => {
+    return Object.keys(shapes).map((aperture) => [`${method}-${aperture}`, method, aperture, false]);
+  });
+  for (const [method, aperture] of Object.entries(ROTATED)) rows.push([`rotated-${method}`, method, aperture, true]);
+  for (const [name, method, aperture, rotated] of rows) {
+    const sides = SHAPES[method][aperture];
+    const [width, height] = method === 'layered' ? ODD_SIZE : SIZE;
+    const change = ({ uniforms }) => Object.assign(uniforms, uniformsOf(rotated));
+    const frame = await draw({ method, sides, opaque: false }, [width, height], change);
+    const shot = { name, method, aperture, width, height, ...keysOf(rotated), ...settings(method, frame) };
+    for (const [what, array] of Object.entries(await read(frame))) {
+      shot[what] = `${name}-${what}.${array.BYTES_PER_ELEMENT === 2 ? 'f16' : 'f32'}`;
+      files[shot[what]] = base64(array);
     }
+    if (method === 'layered') {
+      shot.written = `${name}.written`;
+      files[shot.written] = base64(await written(frame));
+    }
+    data.shots.push(shot);
   }
   data.pull = await pulled(Boolean(gl));
   return { data, files };

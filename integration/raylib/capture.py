@@ -6,6 +6,7 @@ rows, v = 0 first; capture.json says what they are.
 
 import json
 import sys
+from math import radians
 from pathlib import Path
 
 import raylib as rl
@@ -20,9 +21,12 @@ SHOTS = {
     "layered-octagon": OCTAGON,
     "exact-hexagon": EXACT_HEXAGON,
     "exact-octagon": EXACT_OCTAGON,
+    "exact-octagon-rotated": EXACT_OCTAGON,
     "paper-hexagon": PAPER_HEXAGON,
     "paper-octagon": PAPER_OCTAGON,
 }
+# degrees, of the one whose name says so: in OpenGL v grows upwards, so that a negative angle is clockwise on the screen
+CLOCKWISE = 10.0
 RENDERER, GL_VERSION = 0x1F01, 0x1F02
 # under which the autofocus looks
 POINTS = ((150, 215), (5, 250))
@@ -53,11 +57,14 @@ def main(folder):
     shots = []
     for name, table in SHOTS.items():
         passes, result = depth_of_field(scene.color, scene.depth, table)
+        angle = -radians(CLOCKWISE) if name.endswith("rotated") else 0.0
         for step in passes:
-            step.draw(BokehFocusDistance=focus, **PARAMETERS, **PAPER)
+            step.draw(BokehFocusDistance=focus, BokehAngle=angle, **PARAMETERS, **PAPER)
         (folder / f"{name}.f16").write_bytes(read(result, 8))
-        method, aperture = name.split("-")
+        method, aperture = name.split("-")[:2]
         shot = {"name": name, "method": method, "aperture": aperture, "result": f"{name}.f16"}
+        if name.endswith("rotated"):
+            shot["clockwise"] = CLOCKWISE
         if method == "layered":
             shot["written"] = f"{name}.written"
             targets = [target for step in passes for target in step.targets]

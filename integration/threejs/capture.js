@@ -13,9 +13,16 @@ const SHAPES = {
   exact: { square: 4, hexagon: 6, octagon: 8, decagon: 10 },
   paper: { hexagon: 6, octagon: 8 },
 };
+// Once more as the sample's user rotates and squeezes it, degrees clockwise
+const ROTATED = { exact: 'square', paper: 'hexagon' };
+const CLOCKWISE = 10;
+const SQUEEZE = 0.75;
+const uniformsOf = (rotated) => (rotated ? { rotation: (CLOCKWISE * Math.PI) / 180, squeeze: SQUEEZE } : {});
+const keysOf = (rotated) => (rotated ? { clockwise: CLOCKWISE, squeeze: SQUEEZE } : {});
 
 // How each sample is asked.
-//   draw(options, size, changes)  one frame; changes: another camera, renderer, debug mode or chain. { bokeh, ... }
+//   draw(options, size, changes)  one frame; changes: another camera, renderer, debug mode or chain, and uniforms.
+//                                 { bokeh, ... }
 //   read(frame)                   its pixels, first row in memory first: { color, depth, result }; depth is what the
 //                                 engine's buffer holds, of paper metres
 //   readPasses(frame)             what every pass wrote, in the order of docs/reference/passes.md
@@ -48,11 +55,13 @@ const samples = {
       ...sample,
       engine: 'three.js WebGLRenderer',
       device: gl.getParameter(names ? names.UNMASKED_RENDERER_WEBGL : gl.RENDERER),
-      draw(options, [width, height], { camera = sample.camera, renderer = sample.renderer, mode = 0 } = {}) {
+      draw(options, [width, height], changes = {}) {
+        const { camera = sample.camera, renderer = sample.renderer, mode = 0, uniforms = {} } = changes;
         const { composer, bokeh } = sample.addBokeh(renderer, sample.scene, camera, options);
         composer.setSize(width, height);
         bokeh.focusOn(sample.subject.position);
         bokeh.uniforms.debugMode.value = mode;
+        for (const [name, value] of Object.entries(uniforms)) bokeh.uniforms[name].value = value;
         composer.render();
         return { composer, bokeh, renderer };
       },
@@ -95,13 +104,15 @@ const samples = {
       ...sample,
       engine: 'three.js WebGPURenderer',
       device: [vendor, architecture, description].filter(Boolean).join(' '),
-      draw(options, size, { camera = sample.camera, renderer = sample.renderer, mode = 0, chain = sample.addBokeh } = {}) {
+      draw(options, size, changes = {}) {
+        const { camera = sample.camera, renderer = sample.renderer, mode = 0, chain = sample.addBokeh } = changes;
         const { pipeline, bokeh } = chain(renderer, sample.scene, camera, options);
         const target = new RenderTarget(...size); // a canvas cannot be read back
         renderer.setSize(...size);
         renderer.setRenderTarget(target);
         bokeh.focusOn(sample.subject.position);
         bokeh.uniforms.debugMode.value = mode;
+        for (const [name, value] of Object.entries(changes.uniforms ?? {})) bokeh.uniforms[name].value = value;
         pipeline.render();
         renderer.setRenderTarget(null);
         return { bokeh, renderer, target };
@@ -151,12 +162,17 @@ export async function capture(kind) {
   const rows = Object.entries(SHAPES).flatMap(([method, shapes]) => {
     return Object.entries(shapes).map(([aperture, sides]) => [`${method}-${aperture}`, method, aperture, sides, {}]);
   });
+  for (const [method, aperture] of Object.entries(ROTATED)) {
+    rows.push([`rotated-${method}`, method, aperture, SHAPES[method][aperture], { rotated: true }]);
+  }
   const occluded = ['after-occlusion', 'layered', 'hexagon', 6, { chain: sample.addOccludedBokeh }];
   if (sample.addOccludedBokeh) rows.splice(1, 0, occluded);
   for (const [name, method, aperture, sides, changes] of rows) {
     const [width, height] = method === 'layered' ? ODD_SIZE : SIZE;
-    const frame = sample.draw({ method, sides, opaque: false }, [width, height], changes);
-    const shot = { name, method, aperture, width, height, ...settings(method, frame.bokeh.uniforms) };
+    const uniforms = uniformsOf(changes.rotated);
+    const frame = sample.draw({ method, sides, opaque: false }, [width, height], { ...changes, uniforms });
+    const known = { ...keysOf(changes.rotated), ...settings(method, frame.bokeh.uniforms) };
+    const shot = { name, method, aperture, width, height, ...known };
     for (const [what, array] of Object.entries(await sample.read(frame))) {
       shot[what] = `${name}-${what}.${array.BYTES_PER_ELEMENT === 2 ? 'f16' : 'f32'}`;
       files[shot[what]] = base64(array);

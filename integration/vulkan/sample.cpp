@@ -2,7 +2,9 @@
 //
 // PolygonBokeh.h on a picture with depth, without a window:
 //
-//   sample glsl|hlsl layered-hexagon|layered-octagon|exact-hexagon|exact-octagon FOLDER
+//   sample glsl|hlsl layered-hexagon|layered-octagon|exact-hexagon|exact-octagon FOLDER [ROTATION]
+//
+// ROTATION is clockwise, in degrees; it is 0 if you leave it out.
 //
 // FOLDER has camera.txt (width and height; aperture diameter, focal length and focus distance in metres, largest CoC as
 // a share of the height, near and far plane), color.f16 (RGBA, linear) and depth.f32 (0 near .. 1 far), rows from the
@@ -58,7 +60,8 @@ static vk::ImageView upload(BokehDevice &own, vk::CommandBuffer commands, const 
     return own.make_view(image, format, aspect);
 }
 
-static void draw(vk::PhysicalDevice gpu, vk::Device device, bool hlsl, std::string name, std::string folder)
+static void draw(vk::PhysicalDevice gpu, vk::Device device, bool hlsl, std::string name, std::string folder,
+                 float rotation)
 {
     const std::vector<BokehPass> &frame = *NAMED.at(name);
     BokehDevice own{gpu, device};
@@ -76,6 +79,7 @@ static void draw(vk::PhysicalDevice gpu, vk::Device device, bool hlsl, std::stri
     PolygonBokeh bokeh(gpu, device, frame, folder, size, color, depth);
     BokehParameters &set = bokeh.parameters;
     camera >> set.ApertureDiameter >> set.FocalLength >> set.FocusDistance >> set.MaxCoC >> set.Near >> set.Far;
+    set.Angle = rotation * 3.14159265f / 180; // v grows downwards, so that this is clockwise
     bokeh.record(commands, 0);
     // the same again, with a copy of what each pass wrote before another one takes its memory
     char *mapped;
@@ -105,8 +109,8 @@ static void draw(vk::PhysicalDevice gpu, vk::Device device, bool hlsl, std::stri
 
 int main(int argc, char **argv)
 try {
-    if (argc != 4 || !NAMED.count(argv[2]))
-        throw std::runtime_error("sample glsl|hlsl layered-hexagon|layered-octagon|exact-hexagon|exact-octagon FOLDER");
+    if (argc < 4 || argc > 5 || !NAMED.count(argv[2]))
+        throw std::runtime_error("sample glsl|hlsl layered-hexagon|layered-octagon|exact-hexagon|exact-octagon FOLDER [ROTATION]");
     const vk::ApplicationInfo application(nullptr, 0, nullptr, 0, VK_API_VERSION_1_3);
     const vk::UniqueInstance instance = vk::createInstanceUnique({{}, &application});
     const vk::PhysicalDevice gpu = instance->enumeratePhysicalDevices().at(0);
@@ -115,7 +119,7 @@ try {
     const vk::DeviceQueueCreateInfo queue({}, 0, 1, &priority); // the first family, which draws
     const auto features = vk::PhysicalDeviceVulkan13Features().setSynchronization2(true).setDynamicRendering(true);
     const auto device = gpu.createDeviceUnique(vk::DeviceCreateInfo({}, queue).setPNext(&features));
-    draw(gpu, *device, argv[1] == std::string("hlsl"), argv[2], argv[3]);
+    draw(gpu, *device, argv[1] == std::string("hlsl"), argv[2], argv[3], argc > 4 ? std::stof(argv[4]) : 0);
 } catch (const std::exception &error) {
     std::cerr << error.what() << std::endl;
     return 1;

@@ -14,7 +14,7 @@ import { PostProcess } from '@babylonjs/core/PostProcesses/postProcess.js';
 import { DepthRenderer } from '@babylonjs/core/Rendering/depthRenderer.js';
 import '@babylonjs/core/Engines/WebGPU/Extensions/engine.multiRender.js'; // MultiRenderTarget brings that of WebGL
 import { CHOICES, checked, diameter, pulled, uniformsOf } from './common.js';
-import { declared, frame, inWgsl, library, stored, views } from './frames.js';
+import { clockwise, declared, frame, inWgsl, library, stored, views } from './frames.js';
 import { GLSL, WGSL } from './shaders.js';
 
 // What the depth renderer writes, as BokehLinearDepth reads it: metres, in a right-handed scene times -1
@@ -39,8 +39,8 @@ ${row[0].map((_, i) => `layout(location = ${i}) out vec4 written${i};`).join('\n
 void main()
 {
     vec2 uv = vUV;
-    ${declared(row, options, place)}
-    ${stored(row, (i) => `written${i}`)}
+    ${clockwise(declared(row, options, place))}
+    ${clockwise(stored(row, (i) => `written${i}`))}
     ${opaque ? 'written0.a = 1.0;' : ''}
 }`;
 
@@ -61,7 +61,7 @@ fn main(input: FragmentInputs) -> FragmentOutputs
     let uv = input.vUV;
     let imageSize = uniforms.imageSize;
     ${uniforms.map((name) => `let ${name} = uniforms.${name};`).join('\n    ')}
-    ${declared(row, options, place, true)}
+    ${clockwise(declared(row, options, place, true))}
     ${stored(row, (i) => output(i, row[0].length), `${reads[0]}Sampler`)}
     ${opaque ? 'fragmentOutputs.color.a = 1.0;' : ''}
 }`;
@@ -142,7 +142,8 @@ export class PolygonBokeh extends withLens(PostProcess) {
     const scene = camera.getScene();
     const engine = scene.getEngine();
 
-    // To be set from outside. Metres, but for maxCoC (fraction of the image height) and rotation (radians).
+    // To be set from outside. Metres, but for maxCoC (fraction of the image height) and rotation (radians, clockwise on
+    // the screen).
     const uniforms = uniformsOf(options);
 
     const rightHanded = scene.useRightHandedSystem;

@@ -31,7 +31,7 @@ export interface Lens<T = number> {
   sensorHeight: T;
   /** The largest circle of confusion, fraction of the image height: 0.1 */
   maxCoC: T;
-  /** Of the polygon, radians: 0 */
+  /** Of the polygon, clockwise on the screen, radians: 0 */
   rotation: T;
   /** Anamorphic: its width over its height: 1 */
   squeeze: T;

@@ -76,6 +76,10 @@ export function declared([, scale, call], options, place = 0, wgsl = false) {
   return wgsl ? inWgsl(text) : text;
 }
 
+// `rotation` is clockwise on the screen, but the shaders' angle goes from +u to +v. Where v grows upwards, the two are
+// opposite: the statements of a pass, with the sign changed.
+export const clockwise = (text) => text.replace(/\brotation\b/g, '-rotation');
+
 // The statements that store what a call returns. output(i): what target i is called
 export function stored([, , call, returned], output, sampler) {
   const text = sampler === undefined ? call : inWgsl(call, sampler);

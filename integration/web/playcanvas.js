@@ -7,7 +7,7 @@ import { CameraFrame, FramePass, FramePassCameraFrame, RenderPassShaderQuad, Ren
 import { ADDRESS_CLAMP_TO_EDGE, FILTER_LINEAR, PIXELFORMAT_RGBA16F, SEMANTIC_POSITION } from 'playcanvas';
 import { PROJECTION_PERSPECTIVE, ShaderUtils, Texture } from 'playcanvas';
 import { checked, diameter, pulled, uniformsOf } from './common.js';
-import { declared, frame, library, stored, views } from './frames.js';
+import { clockwise, declared, frame, library, stored, views } from './frames.js';
 import { GLSL, WGSL } from './shaders.js';
 
 // What CameraFrame has as depth, as BokehLinearDepth reads it: metres from a prepass; 1 / metres from the scene pass
@@ -45,8 +45,8 @@ varying vec2 bokehUv;
 void main()
 {
     vec2 uv = bokehUv;
-    ${declarations}
-    ${stored(renamed, (i) => `pcFragColor${i}`)}
+    ${clockwise(declarations)}
+    ${clockwise(stored(renamed, (i) => `pcFragColor${i}`))}
     ${opaque ? 'pcFragColor0.a = 1.0;' : ''}
 }`,
 };
@@ -246,7 +246,8 @@ export class PolygonBokehFrame extends CameraFrame {
     const bokehOptions = checked('PolygonBokehFrame', options);
     if (!app.graphicsDevice.textureFloatRenderable) throw new Error('PolygonBokehFrame needs float render targets');
     super(app, cameraComponent);
-    // To be set from outside. Metres, but for maxCoC (fraction of the image height) and rotation (radians).
+    // To be set from outside. Metres, but for maxCoC (fraction of the image height) and rotation (radians, clockwise on
+    // the screen).
     this.uniforms = uniformsOf(bokehOptions);
     this.debugMode = 0; // 1 depth, 2 circle of confusion, 3 near and far field
     this.bokehOptions = bokehOptions;

@@ -7,7 +7,7 @@ import { FloatType, GLSL3, Group, HalfFloatType, Mesh, NearestFilter, NoBlending
 import { Raycaster, RedFormat, ShaderMaterial, Vector2, Vector3, WebGLRenderTarget } from 'three';
 import { FullScreenQuad } from 'three/addons/postprocessing/Pass.js';
 import { checked, uniformsOf } from './common.js';
-import { METRES, declared, frame, library, stored, views } from './frames.js';
+import { METRES, clockwise, declared, frame, library, stored, views } from './frames.js';
 import { GLSL } from './shaders.js';
 import { THREE_CHOICES, withLens } from './three-common.js';
 
@@ -33,8 +33,8 @@ ${row[0].map((_, i) => `layout(location = ${i}) out vec4 written${i};`).join('\n
 void main()
 {
     vec2 uv = bokehUv;
-    ${declared(row, options, place)}
-    ${stored(row, (i) => `written${i}`)}
+    ${clockwise(declared(row, options, place))}
+    ${clockwise(stored(row, (i) => `written${i}`))}
     ${opaque ? 'written0.a = 1.0;' : ''}
 }`;
 
@@ -57,7 +57,8 @@ export const withPasses = (Base) =>
       this.camera = camera;
       this.options = checked('PolygonBokehPass', options, CHOICES);
 
-      // To be set from outside. Metres, but for maxCoC (fraction of the image height) and rotation (radians).
+      // To be set from outside. Metres, but for maxCoC (fraction of the image height) and rotation (radians, clockwise on
+      // the screen).
       // debugMode: 0 off, 1 depth, 2 circle of confusion, 3 near and far field.
       this.uniforms = {
         debugMode: { value: 0 },

@@ -98,7 +98,8 @@ export class PolygonBokehNode extends withLens(Node, { Raycaster, Vector2, Vecto
     this.options = checked('PolygonBokehNode', options, CHOICES);
     if (!isPass && this.options.sharpLayer !== undefined) throw new Error(SHARP);
 
-    // To be set from outside. Metres, but for maxCoC (fraction of the image height) and rotation (radians).
+    // To be set from outside. Metres, but for maxCoC (fraction of the image height) and rotation (radians, clockwise on
+    // the screen).
     // debugMode: 0 off, 1 depth, 2 circle of confusion, 3 near and far field.
     this.uniforms = {
       debugMode: uniform(0, 'int'),

@@ -15,6 +15,10 @@ capture.json is next to raw little-endian files, whose rows start at v = 0 (the 
 All keys of a shot except name and result are fields of methods.Settings; fields that are left out have their defaults.
 A shot may have its own camera, color, depth and stored, which override the common ones.
 
+"clockwise" is the sample's own setting of the rotation, in degrees. It must rotate the polygon clockwise on the screen,
+whichever way v grows there. The sample does not say which way that is: the ground of its scene does, because on the
+screen it is near at the bottom and far at the top.
+
 "constants" has the constants of layered that the sample's language fixes, if there are any.
 
 "pull" records the autofocus, for the tests:
@@ -82,17 +86,17 @@ class Capture:
     shots: list[Shot]
 
 
-def read(folder: Path) -> Capture:
-    """Read a folder and compare every shot with the reference. Raises Broken."""
+def read(folder: Path, file: str = "capture.json") -> Capture:
+    """Read a folder and compare every shot with the reference; `file` describes them. Raises Broken."""
     try:
-        data = json.loads((folder / "capture.json").read_text(encoding="utf-8"))
+        data = json.loads((folder / file).read_text(encoding="utf-8"))
     except (OSError, ValueError) as error:
-        raise Broken(f"{folder / 'capture.json'}: {error}") from error
+        raise Broken(f"{folder / file}: {error}") from error
     try:
         shots = [_shot(folder, data, {**data, **shot}) for shot in data["shots"]]
         return Capture(data["engine"], data["device"], shots)
     except KeyError as error:
-        raise Broken(f"{folder / 'capture.json'}: no {error}") from error
+        raise Broken(f"{folder / file}: no {error}") from error
 
 
 def _shot(folder: Path, data: dict, shot: dict) -> Shot:
@@ -103,6 +107,8 @@ def _shot(folder: Path, data: dict, shot: dict) -> Shot:
     stored = {"kind": 0, "near": 0.0, "far": 0.0} | (shot.get("stored") or {})
     metres = listings.linear_depth(depth.astype(np.float64), **stored).astype(np.float32)
     given_settings = {key: value for key, value in shot.items() if key in _SETTINGS}
+    if "clockwise" in shot:
+        given_settings["rotation"] = shot["clockwise"] if _v_grows_downwards(folder, metres) else -shot["clockwise"]
     settings = methods.Settings(**given_settings, camera=methods.Camera(**shot["camera"]))
     case = Case(f"{data['engine']}: {shot['name']}", settings, color, metres)
     result = _pixels(folder / shot["result"], np.float16, shape)
@@ -120,6 +126,18 @@ def _shot(folder: Path, data: dict, shot: dict) -> Shot:
         if attempts[-1].comparison.outside == 0:
             break
     return min(attempts, key=lambda attempt: (attempt.comparison.outside, -attempt.comparison.close))
+
+
+def _v_grows_downwards(folder: Path, metres: np.ndarray) -> bool:
+    """Return whether the first rows are at the top of the screen, where the ground is farther away. Raises Broken.
+
+    metres  (H, W), v = 0 first
+    """
+    third = len(metres) // 3
+    first, last = (np.median(1.0 / rows) for rows in (metres[:third], metres[-third:]))
+    if max(first, last) < 2.0 * min(first, last):
+        raise Broken(f"{folder / 'capture.json'}: the depth does not show where the ground is")
+    return bool(last > first)
 
 
 def _of_buffer(render_pass: Pass, kind: int, near: float, far: float) -> Pass:

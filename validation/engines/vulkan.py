@@ -32,6 +32,8 @@ SHOTS = [
     for name in ("layered-hexagon", "layered-octagon", "exact-hexagon", "exact-octagon")
     for method, aperture in [name.split("-")]
 ]
+# Drawn first, since the sample names its files as without a rotation
+ROTATED = {"name": "rotated", "method": "exact", "aperture": "octagon", "result": "rotated.f16", "clockwise": 10.0}
 
 
 def run(name: str, folder: Path) -> None:
@@ -44,11 +46,16 @@ def run(name: str, folder: Path) -> None:
     language, scene = name.removeprefix("vulkan-"), lavapipe.write_scene(folder)
     commands = f"{_dxc()}:{os.environ['PATH']}" if language == "hlsl" else os.environ["PATH"]
     environment = {"VK_ICD_FILENAMES": str(lavapipe.description()), "PATH": commands, **CHECKS}
-    for shot in SHOTS:
-        said = process.run([_program(), language, shot["name"], folder], SECONDS, SAMPLE, environment).splitlines()
+    device = ""
+    for shot in [ROTATED, *SHOTS]:
+        words = [language, f"{shot['method']}-{shot['aperture']}", folder, str(shot.get("clockwise", 0))]
+        said = process.run([_program(), *words], SECONDS, SAMPLE, environment).splitlines()
         if len(said) != 1:  # the only line is the device
             raise RuntimeError("\n".join(said))
-    capture = {"engine": name, "device": said[0], "shots": SHOTS, **scene}
+        device = said[0]
+        if shot is ROTATED:
+            (folder / f"{words[1]}.f16").rename(folder / shot["result"])
+    capture = {"engine": name, "device": device, "shots": [*SHOTS, ROTATED], **scene}
     (folder / "capture.json").write_text(json.dumps(capture), encoding="utf-8")
     shape = (scene["height"], scene["width"], 4)
     files = ("color.f16", "layered-hexagon.f16")

@@ -116,7 +116,7 @@ pub struct Bokeh {
     pub method: BokehMethod,
     pub shape: BokehShape,
     pub preset: BokehPreset,
-    /// Of the polygon, radians.
+    /// Of the polygon, radians, clockwise on the screen.
     pub rotation: f32,
     pub debug: Option<BokehDebug>,
 }

@@ -76,7 +76,8 @@ class DepthOfField:
     sensor_height   0.024 where your unit is a metre, 24 where it is a millimetre
     bokeh_scale     how many times wider the blur is than that lens's: 1 is the real lens, 0 is none
     focus_distance  depth along the view axis, your unit
-    parameters      all others by their names in docs/reference/parameters.md: BokehMaxCoC, BokehAngle, BokehSqueeze ..
+    rotation        of the polygon, radians, clockwise on the screen
+    parameters      all others by their names in docs/reference/parameters.md: BokehMaxCoC, BokehSqueeze ..
 
     To be read: textures["color"], ["depth"], ["result"] (linear HDR; alpha is the circle of confusion) and those
     between. `quad` shows one of them, its input `image`: give it your own shader for another tone mapping.
@@ -88,7 +89,7 @@ class DepthOfField:
         # else a texture of 384 x 256 is made 512 x 256, and a quarter of it is left black
         Texture.setTexturesPower2(ATS_none)
         self.f_stop, self.focus_distance, self.sensor_height = f_stop, focus_distance, 0.024
-        self.bokeh_scale = bokeh_scale
+        self.bokeh_scale, self.rotation = bokeh_scale, 0.0
         self.parameters = {**PARAMETERS, "BokehDepthKind": 1.0}
         self.manager = FilterManager(win, cam)
         self.scene = {"color": texture("color"), "depth": texture("depth")}
@@ -175,10 +176,14 @@ class DepthOfField:
             "BokehAspectRatio": width / height,
             "BokehImageWidth": width,
             "BokehImageHeight": height,
+            # v grows upwards, where the shaders' angle is counter-clockwise
+            "BokehAngle": -self.rotation,
         }
         if values != self.values:
             for quad, parameters, _ in self.passes:
-                quad.setShaderInputs(**{**values, **parameters})
+                # the paper's lines have angles of their own
+                angle = values["BokehAngle"] + parameters.get("BokehAngle", 0.0)
+                quad.setShaderInputs(**{**values, **parameters, "BokehAngle": angle})
             self.values = values
         return task and task.cont
 

@@ -78,7 +78,7 @@ uniform float LargestBlurFar <
     ui_tooltip = "Limits the bokeh's width behind the focus; 0 keeps everything there sharp.";
 > = 10.0;
 uniform float Rotation <
-    ui_category = "Lens"; ui_type = "slider"; ui_label = "Rotation (degrees)"; ui_min = 0.0; ui_max = 60.0;
+    ui_category = "Lens"; ui_type = "slider"; ui_label = "Rotation (degrees, clockwise)"; ui_min = 0.0; ui_max = 60.0;
 > = 0.0;
 uniform float Squeeze <
     ui_category = "Lens"; ui_type = "slider"; ui_label = "Squeeze"; ui_min = 0.3; ui_max = 1.0;

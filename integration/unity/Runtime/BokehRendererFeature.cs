@@ -276,7 +276,8 @@ namespace PolygonalBokeh
                 Properties.SetFloat(BokehFrames.Axis, step.Axis);
                 Properties.SetFloat(BokehFrames.Layer, step.Layer);
                 Properties.SetFloat(BokehFrames.Sides, step.Sides);
-                Properties.SetFloat(BokehFrames.Angle, Mathf.Deg2Rad * (step.Angle + values.rotation));
+                // v grows upwards, where the shaders' angle is counter-clockwise
+                Properties.SetFloat(BokehFrames.Angle, Mathf.Deg2Rad * (step.Angle - values.rotation));
                 context.cmd.DrawProcedural(Matrix4x4.identity, values.material, (int)step.pass, MeshTopology.Triangles, 3, 1,
                     Properties);
             }

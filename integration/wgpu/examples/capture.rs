@@ -7,13 +7,15 @@ use polygonal_bokeh::{Bokeh, Depth, Lens, Method, Polygon, Preset, images};
 use std::{env, error::Error, fs, path::Path};
 use wgpu::*;
 
-const SHOTS: [(&str, Method, Polygon, Preset); 6] = [
-    ("layered-hexagon", Method::Layered, Polygon::Hexagon, Preset::Medium),
-    ("layered-square", Method::Layered, Polygon::Square, Preset::Low),
-    ("layered-octagon", Method::Layered, Polygon::Octagon, Preset::High),
-    ("exact-octagon", Method::Exact, Polygon::Octagon, Preset::High),
-    ("exact-decagon", Method::Exact, Polygon::Decagon, Preset::Medium),
-    ("exact-hexagon", Method::Exact, Polygon::Hexagon, Preset::Medium),
+/// Name, method, polygon, preset and rotation, degrees clockwise.
+const SHOTS: [(&str, Method, Polygon, Preset, f32); 7] = [
+    ("layered-hexagon", Method::Layered, Polygon::Hexagon, Preset::Medium, 0.0),
+    ("layered-square", Method::Layered, Polygon::Square, Preset::Low, 0.0),
+    ("layered-octagon", Method::Layered, Polygon::Octagon, Preset::High, 0.0),
+    ("exact-octagon", Method::Exact, Polygon::Octagon, Preset::High, 0.0),
+    ("exact-decagon", Method::Exact, Polygon::Decagon, Preset::Medium, 0.0),
+    ("exact-square-rotated", Method::Exact, Polygon::Square, Preset::Medium, 10.0),
+    ("exact-hexagon", Method::Exact, Polygon::Hexagon, Preset::Medium, 0.0),
 ];
 
 fn main() -> Result<(), Box<dyn Error>> {
@@ -36,7 +38,8 @@ fn main() -> Result<(), Box<dyn Error>> {
     let color = uploaded(device, queue, width, height, TextureFormat::Rgba16Float, &folder.join("color.f16"))?;
     let depth = uploaded(device, queue, width, height, TextureFormat::R32Float, &folder.join("depth.f32"))?;
     let mut shots = Vec::new();
-    for (name, method, polygon, preset) in SHOTS {
+    for (name, method, polygon, preset, clockwise) in SHOTS {
+        let lens = Lens { rotation: clockwise.to_radians(), ..lens };
         let bokeh = Bokeh::new(device, method, polygon, preset);
         let targets = bokeh.targets(device, &color, &depth)?;
         let mut encoder = device.create_command_encoder(&Default::default());
@@ -53,6 +56,9 @@ fn main() -> Result<(), Box<dyn Error>> {
             format!(r#""method": "{}", "aperture": "{}""#, word(method), word(polygon)),
             format!(r#""preset": "{}""#, word(preset)),
         ];
+        if clockwise != 0.0 {
+            keys.push(format!(r#""clockwise": {clockwise}"#));
+        }
         if method == Method::Layered {
             let bytes: Vec<u8> = written.iter().flat_map(|texture| images::bytes(device, queue, texture)).collect();
             fs::write(folder.join(format!("{name}.written")), bytes)?;

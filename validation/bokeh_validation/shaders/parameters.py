@@ -30,7 +30,7 @@ BLOCK = {
     "BokehConstantCoC": Parameter(0.0, "height", "pass ConstantCoC: the CoC of all pixels"),
     "BokehAspectRatio": Parameter(1.0, "", "width of the image / its height"),
     "BokehAngle": Parameter(
-        0.0, "radians", "rotation of the polygon; in the line passes of paper: direction of the line"
+        0.0, "radians", "[rotation](#rotation) of the polygon; in the line passes of paper: direction of the line"
     ),
     "BokehAngleB": Parameter(0.0, "radians", "pass NaiveGrid: direction of the second side of the grid"),
     "BokehBleedingBias": Parameter(

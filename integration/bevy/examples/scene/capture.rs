@@ -33,14 +33,19 @@ const SIZE: UVec2 = UVec2::new(512, 344);
 /// Frames until what is read back is the new shot.
 const FRAMES_PER_SHOT: u32 = 8;
 
+/// Of shots whose name begins with "rotated", degrees clockwise.
+const CLOCKWISE: f32 = 10.0;
+
 /// Method, shape, preset, [`Msaa`] and size, in one run. Nothing moves: depth is that of the paper's shots.
-const SHOTS: [(&str, BokehMethod, BokehShape, BokehPreset, Msaa, UVec2); 8] = [
+const SHOTS: [(&str, BokehMethod, BokehShape, BokehPreset, Msaa, UVec2); 10] = [
     ("layered-small", BokehMethod::Layered, BokehShape::Hexagon, BokehPreset::Medium, Msaa::Off, SMALL),
     ("paper-small", BokehMethod::Paper, BokehShape::Hexagon, BokehPreset::Medium, Msaa::Off, SMALL),
     ("paper-hexagon", BokehMethod::Paper, BokehShape::Hexagon, BokehPreset::Medium, Msaa::Sample4, SIZE),
     ("paper-octagon", BokehMethod::Paper, BokehShape::Octagon, BokehPreset::Medium, Msaa::Sample4, SIZE),
     ("exact-octagon", BokehMethod::Exact, BokehShape::Octagon, BokehPreset::Medium, Msaa::Sample4, SIZE),
     ("exact-hexagon", BokehMethod::Exact, BokehShape::Hexagon, BokehPreset::Medium, Msaa::Sample4, SIZE),
+    ("rotated-exact", BokehMethod::Exact, BokehShape::Square, BokehPreset::Medium, Msaa::Off, SMALL),
+    ("rotated-paper", BokehMethod::Paper, BokehShape::Hexagon, BokehPreset::Medium, Msaa::Off, SMALL),
     ("layered-octagon", BokehMethod::Layered, BokehShape::Octagon, BokehPreset::High, Msaa::Sample4, SIZE),
     ("layered-hexagon", BokehMethod::Layered, BokehShape::Hexagon, BokehPreset::Medium, Msaa::Sample4, SIZE),
 ];
@@ -163,8 +168,9 @@ fn next_shot(
     let (mut bokeh, mut msaa) = camera.into_inner();
     let shot = (*frame / FRAMES_PER_SHOT) as usize;
     if frame.is_multiple_of(FRAMES_PER_SHOT) {
-        if let Some((_, method, shape, preset, samples, size)) = SHOTS.get(shot) {
+        if let Some((name, method, shape, preset, samples, size)) = SHOTS.get(shot) {
             (bokeh.method, bokeh.shape, bokeh.preset, *msaa) = (*method, *shape, *preset, *samples);
+            bokeh.rotation = if is_rotated(name) { CLOCKWISE.to_radians() } else { 0.0 };
             images.get_mut(&picture.0).unwrap().resize(extent(*size));
         } else {
             bokeh.debug = Some(BokehDebug::Focus);
@@ -194,6 +200,10 @@ fn next_shot(
     save(&latest.0["picture"], folder.0.join("picture.png"));
 }
 
+fn is_rotated(name: &str) -> bool {
+    name.starts_with("rotated")
+}
+
 fn extent(size: UVec2) -> Extent3d {
     Extent3d { width: size.x, height: size.y, depth_or_array_layers: 1 }
 }
@@ -215,6 +225,7 @@ fn description(bokeh: &Bokeh, adapter: &RenderAdapterInfo) -> String {
         } else {
             format!(r#""preset": "{preset}""#)
         };
+        let more = if is_rotated(name) { format!(r#"{more}, "clockwise": {CLOCKWISE}"#) } else { more };
         format!(
             r#"{{"name": "{name}", "method": "{method}", "aperture": "{shape}", {more}, "width": {x}, "height": {y},
 "color": "color-{x}.f16", "depth": "depth-{x}.f32", "result": "{name}.f16", "written": "{name}.written"}}"#
