@@ -46,7 +46,7 @@ namespace PolygonalBokeh
         [Tooltip("The paper's method has Hexagon and Octagon")]
         public EnumParameter<BokehAperture> aperture = new EnumParameter<BokehAperture>(BokehAperture.Hexagon);
 
-        [Tooltip("Degrees")]
+        [Tooltip("Degrees, clockwise")]
         public ClampedFloatParameter rotation = new ClampedFloatParameter(0.0f, 0.0f, 360.0f);
 
         [Tooltip("Width over height: 0.5 is anamorphic")]
