@@ -20,7 +20,16 @@ EXACT = {("exact", "hexagon"), ("exact", "octagon")}
 PAPER = {("paper", "hexagon"), ("paper", "octagon")}
 WITHOUT_PAPER = ("babylonjs-webgl", "babylonjs-webgpu", "love", "ogre", wgpu.NAME, *vulkan.NAMES)
 # Samples that rotate the lines of paper as well; in the others the angles are in the table of passes
-ROTATED_PAPER = ("threejs-webgl", "threejs-webgpu", "playcanvas-webgl", "playcanvas-webgpu", "godot", "panda3d", "jmonkeyengine", bevy.NAME)
+ROTATED_PAPER = (
+    "threejs-webgl",
+    "threejs-webgpu",
+    "playcanvas-webgl",
+    "playcanvas-webgpu",
+    "godot",
+    "panda3d",
+    "jmonkeyengine",
+    bevy.NAME,
+)
 # Samples whose autofocus is not checked here: test_godot.py covers Godot's, and Vulkan's scene is a single image
 WITHOUT_PULL = ("godot", *vulkan.NAMES)
 # Vertical field of view in degrees and f-stop from which the sample's lens is made
