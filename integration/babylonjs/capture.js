@@ -124,12 +124,13 @@ export async function capture(kind) {
 }
 
 // One frame of the sample's scene as a frame graph: its colour, depth, result, the canvas, and what the shot is told
-async function drawnByGraph({ engine, scene, camera, subject }, options) {
+async function drawnByGraph({ engine, scene, camera, subject }, options, bokehScale = 20) {
   const { imageProcessingConfiguration: processing } = scene;
   processing.applyByPostProcess = false; // as in a scene without post processes: a task takes notice only of changes
   const { graph, bokeh } = await addGraph(scene, camera, options);
   graph.optimizeTextureAllocation = false; // textures that are read afterwards are not used for others
   bokeh.focusOn(subject.position);
+  bokeh.setLens(1.4, bokehScale);
   await graph.buildAsync();
   engine.beginFrame();
   scene.render();
@@ -180,6 +181,39 @@ function settings(uniforms) {
       max_coc: value('maxCoC'),
     },
   };
+}
+
+// A bokehScale of 0, of the post process and of the task: passes that draw, whether the result is the scene, whether the
+// blur comes back
+export async function unblurred(kind) {
+  const sample = await stopped(kind);
+  const { engine, tone, scene, camera } = sample;
+  await draw(sample, {}, ODD_SIZE);
+  const color = await pixels(engine, sample.bokeh.inputTexture.texture, 4);
+  const blurred = base64(await pixels(engine, tone.inputTexture.texture, 4));
+  const { quad, uniforms, textures } = sample.bokeh;
+  const { apertureDiameter } = uniforms;
+  const { render } = quad;
+  let drawing = 0;
+  quad.render = (...given) => {
+    drawing += 1;
+    render.apply(quad, given);
+  };
+  const frame = async () => {
+    engine.beginFrame();
+    scene.render();
+    engine.endFrame();
+    return base64(await pixels(engine, tone.inputTexture.texture, 4));
+  };
+  sample.bokeh.setLens(2.8, 0);
+  const isScene = (await frame()) === base64(color) && !camera.customRenderTargets.includes(textures.depth);
+  const found = { drawing, isScene };
+  uniforms.apertureDiameter = apertureDiameter;
+  while (!scene.isReady()) await new Promise((done) => setTimeout(done, 10));
+  await frame();
+  const comesBack = (await frame()) === blurred && drawing > 0;
+  const byTask = await drawnByGraph(sample, { opaque: false }, 0);
+  return { ...found, comesBack, task: base64(byTask.result) === base64(byTask.color) };
 }
 
 // Depth in metres as the passes read it, and as a ray finds it, at some pixels, with both kinds of cameras, and in a
@@ -234,8 +268,8 @@ export async function views(kind) {
   return found;
 }
 
-// What the sample's own keys and clicks do: the focus distance before and after a click on the box, the passes left
-// after a key.
+// What the sample's own keys and clicks do: the focus distance before, after a drag that ends on the box, and after a
+// click on it; the passes left after a key.
 export async function interaction(kind) {
   const { sample } = await import(`./${kind}.js`);
   const { engine, scene, camera } = sample;
@@ -247,16 +281,28 @@ export async function interaction(kind) {
   const { left, top, width, height } = canvas.getBoundingClientRect();
   const place = { clientX: left + ((1 + x) / 2) * width, clientY: top + ((1 - y) / 2) * height };
   const before = sample.bokeh.uniforms.focusDistance;
-  canvas.dispatchEvent(new PointerEvent('pointerdown', { ...place, button: 0, pointerId: 1 }));
+  const pointer = (type, by) => {
+    const init = { ...place, clientX: place.clientX + by, button: 0, pointerId: 1, bubbles: true };
+    canvas.dispatchEvent(new PointerEvent(type, init));
+  };
+  const drawn = () => new Promise((done) => scene.onAfterRenderObservable.addOnce(done));
+  pointer('pointerdown', 6);
+  pointer('pointermove', 0);
+  pointer('pointerup', 0);
+  for (let i = 0; i < 3; i++) await drawn();
+  const dragged = sample.bokeh.uniforms.focusDistance;
+  pointer('pointerdown', 4);
+  pointer('pointermove', 0);
+  pointer('pointerup', 0);
   dispatchEvent(new KeyboardEvent('keydown', { key: '2' }));
   let [last, after] = [0, before];
   while (last !== after) {
     // until a frame is pulled no further than a tenth of a millimetre
-    await new Promise((done) => scene.onAfterRenderObservable.addOnce(done));
+    await drawn();
     [last, after] = [after, Math.round(sample.bokeh.uniforms.focusDistance * 1e4) / 1e4];
   }
   const depth = Vector3.TransformCoordinates(box.position, view).z;
-  return { before, after, box: depth, passes: sample.bokeh.passes.map(({ call }) => call) };
+  return { before, dragged, after, box: depth, passes: sample.bokeh.passes.map(({ call }) => call) };
 }
 
 // What a frame of these options and uniforms shows, or why there is none

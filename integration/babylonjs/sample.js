@@ -48,9 +48,12 @@ export function show(engine) {
   const sample = start(engine);
   const { scene, camera } = sample;
 
-  // A click focuses on what is there, on the nearest of some points around it.
-  scene.onPointerDown = () => {
+  // A click focuses on what is there, on the nearest of some points around it; a drag does not.
+  let pressed = [0, 0];
+  scene.onPointerDown = () => (pressed = [scene.pointerX, scene.pointerY]);
+  scene.onPointerUp = () => {
     const { pointerX: x, pointerY: y } = scene;
+    if (Math.hypot(x - pressed[0], y - pressed[1]) > 5) return;
     sample.aims = depthsUnder([[x, y], [x - 6, y], [x + 6, y], [x, y - 6], [x, y + 6]], sample);
   };
 

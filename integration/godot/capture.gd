@@ -298,16 +298,44 @@ func _drawing(bokeh: PolygonBokeh, mode: SubViewport.UpdateMode) -> void:
 			child.render_target_update_mode = mode
 
 
-# A click on the box, and a key: { focus, box, view }; then the node is gone: { drawn: 3D is drawn again, left }
+# With a bokeh_scale of 0: { drawing: passes that draw, passes: all, shown: the picture; sharp: that of a lens without blur }
+func unblurred(_argument: Variant) -> Dictionary:
+	var host := _host(SIZE)
+	host.use_hdr_2d = true # not rounded to 8 bits
+	var bokeh: PolygonBokeh = host.get_child(0).bokeh
+	bokeh.method = "exact"
+	bokeh.f_stop = 1e9
+	await _drawn()
+	var sharp := _joined(await _read(_halves(host.get_texture())), 0)
+	bokeh.f_stop = 0.7
+	bokeh.bokeh_scale = 0.0
+	await _drawn()
+	var drawing := bokeh._passes.filter(func(drawn): return drawn.render_target_update_mode == SubViewport.UPDATE_ALWAYS)
+	var shown := _joined(await _read(_halves(host.get_texture())), 0)
+	var found := { drawing = drawing.size(), passes = bokeh._passes.size(), shown = Marshalls.raw_to_base64(shown) }
+	found.sharp = Marshalls.raw_to_base64(sharp)
+	bokeh.bokeh_scale = 10.0
+	await _drawn()
+	found.acts = _joined(await _read(_halves(host.get_texture())), 0) != sharp
+	host.queue_free()
+	return found
+
+
+# A drag and a click on the box, and a key: { points: how many after each, focus, box, view }; then the node is gone: { drawn: 3D is drawn again, left }
 func interaction(_argument: Variant) -> Dictionary:
 	var host := _host(SIZE)
 	var sample: Sample = host.get_child(0)
 	await _drawn()
 	var click := InputEventMouseButton.new()
 	click.button_index = MOUSE_BUTTON_LEFT
-	click.pressed = true
-	click.position = sample.camera.unproject_position(Vector3(1.3, 0.45, -6.05))
-	host.push_input(click)
+	var place := sample.camera.unproject_position(Vector3(1.3, 0.45, -6.05))
+	var points := []
+	for moved: float in [6.0, 4.0]: # a drag, a click
+		for pressed: bool in [true, false]:
+			click.pressed = pressed
+			click.position = place + Vector2(moved if pressed else 0.0, 0.0)
+			host.push_input(click.duplicate())
+		points.append(sample.bokeh.points.size())
 	var key := InputEventKey.new()
 	key.keycode = KEY_2
 	key.pressed = true
@@ -315,7 +343,7 @@ func interaction(_argument: Variant) -> Dictionary:
 	sample.bokeh.cut()
 	await _drawn()
 	var focus := _joined(await _read(_halves(sample.bokeh.textures.focus)), 0)
-	var said := { focus = _lens(sample.bokeh, focus).focus_distance, view = sample.bokeh.view, hidden = host.disable_3d }
+	var said := { focus = _lens(sample.bokeh, focus).focus_distance, view = sample.bokeh.view, hidden = host.disable_3d, points = points }
 	var children := sample.camera.get_child_count(true)
 	sample.bokeh.queue_free()
 	await _drawn()

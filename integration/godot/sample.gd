@@ -5,6 +5,7 @@ const Stage := preload("res://stage.gd")
 
 var camera: Camera3D
 var bokeh: PolygonBokeh
+var pressed := Vector2.ZERO
 
 
 func _ready() -> void:
@@ -24,8 +25,10 @@ func add_bokeh(to: Camera3D, subject: Node3D) -> PolygonBokeh:
 
 
 func _unhandled_input(event: InputEvent) -> void:
-	# A click focuses on what is there.
+	# A click focuses on what is there; a drag does not.
 	if event is InputEventMouseButton and event.pressed:
+		pressed = event.position
+	elif event is InputEventMouseButton and event.position.distance_to(pressed) <= 5.0:
 		bokeh.points = [event.position / get_viewport().get_visible_rect().size]
 	# Keys 0 to 3 choose the debug view.
 	if event is InputEventKey and event.pressed and event.keycode >= KEY_0 and event.keycode <= KEY_3:

@@ -79,9 +79,10 @@ public class BokehFilter extends Filter {
         this.fStop = fStop;
     }
 
-    /** How many times wider the blur is than that lens's: 1 is the real lens (docs/lens.md), 0 is none. */
+    /** How many times wider the blur is than that lens's: 1 is the real lens (docs/lens.md), 0 disables the filter. */
     public void setBokehScale(float bokehScale) {
         this.bokehScale = bokehScale;
+        setEnabled(bokehScale > 0f);
     }
 
     /** Rotates the polygon, clockwise on the screen, radians. */

@@ -188,7 +188,7 @@ function PolygonBokeh.new(library, width, height, options)
     zNear = 0.1, zFar = 1000, apertureDiameter = 0.179, focalLength = 0.05, focusDistance = 5, sensorHeight = 0.024,
     maxCoC = 0.1, rotation = 0, squeeze = 1,
   }
-  self.imageSize = { width, height }
+  self.imageSize, self.isView = { width, height }, options.view ~= nil
   self.triangle = love.graphics.newMesh(TRIANGLE, "triangles", "static")
   self.textures, self.passes = { color = true, depth = true }, {}
   self.values = { preset = options.preset or "MEDIUM", library = library, sides = sides }
@@ -248,9 +248,13 @@ function PolygonBokeh:pullFocus(dt, depths, tau)
   self.uniforms.focusDistance = 1 / pulled
 end
 
--- The blurred picture, a canvas; alpha is the signed circle of confusion
+-- The blurred picture, a canvas; alpha is the signed circle of confusion. Where nothing is blurred, no pass is drawn,
+-- and it is `color` itself.
 function PolygonBokeh:draw(color, depth)
   self.textures.color, self.textures.depth = color, depth
+  if not self.isView and not (self.uniforms.apertureDiameter > 0) then
+    return color
+  end
   self:drawPasses(self.passes)
   return self.textures.result
 end

@@ -168,7 +168,8 @@ public:
     }
 
     // The lens of the camera's own field of view, at an f-stop; call it again where the camera zooms. bokehScale is
-    // how many times wider the blur is than that lens's: 1 is the real lens (docs/lens.md), 0 is none.
+    // how many times wider the blur is than that lens's: 1 is the real lens (docs/lens.md), 0 is none,
+    // and draws no pass.
     void setLens(const Ogre::Camera* camera, float fStop = 2.8f, float bokehScale = 10.0f)
     {
         const float focal = uniforms["BokehSensorHeight"] / (2.0f * std::tan(0.5f * camera->getFOVy().valueRadians()));
@@ -176,6 +177,7 @@ public:
         uniforms["BokehApertureDiameter"] = focal / fStop * bokehScale;
         uniforms["BokehNear"] = camera->getNearClipDistance();
         uniforms["BokehFar"] = camera->getFarClipDistance();
+        mInstance->setEnabled(bokehScale > 0.0f);
     }
 
     // Depth of a place in the world along the camera's view axis: what to focus on

@@ -108,6 +108,16 @@ inline void capture(const std::string& folder, Ogre::Viewport* viewport,
             ", \"max_coc\": " + number(uniforms["BokehMaxCoC"]);
         stored = "\"kind\": 1, \"near\": " + number(uniforms["BokehNear"]) + ", \"far\": " + number(uniforms["BokehFar"]);
         pull = pulled(*bokeh, viewport);
+        if (clockwise)
+        {
+            const std::string color = bytesOf(bokeh->texture("color"));
+            bokeh->setLens(viewport->getCamera(), 2.8f, 0.0f);
+            viewport->getTarget()->update();
+            if (bytesOf(tone->getTextureInstance("picture", 0)) != color)
+            {
+                throw std::runtime_error("a bokeh scale of 0 does not leave the scene as it is");
+            }
+        }
     }
     const auto& device = *Ogre::Root::getSingleton().getRenderSystem()->getCapabilities();
     write(folder + "/capture.json",

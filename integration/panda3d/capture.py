@@ -75,6 +75,12 @@ def main(folder):
             # what the preset MEDIUM stands for
             shot |= {"depth": "metres.f32", "stored": None, "samples": 9, "spacing": 1.5}
         shots.append(shot)
+    effect.bokeh_scale = 0.0
+    frames(base)
+    shown = effect.quad.getShaderInput("image").getTexture()
+    assert shown == effect.textures["color"] and not any(buffer.isActive() for buffer in effect.buffers)
+    effect.bokeh_scale = 1.0
+    frames(base)
     (folder / "color.f16").write_bytes(pixels(base, effect.textures["color"], "e"))
     (folder / "depth.f32").write_bytes(pixels(base, effect.textures["depth"], "f"))
     (folder / "metres.f32").write_bytes(pixels(base, effect.textures["metres"], "f"))

@@ -134,6 +134,18 @@ function settings(method, { uniforms, renderPassCamera: { sceneDepthTexture } })
   };
 }
 
+// A bokehScale of 0: passes that draw; whether what comes next reads the scene; and whether the blur comes back
+export async function unblurred() {
+  const frame = await draw({}, ODD_SIZE, (made) => made.setLens(2.8, 0));
+  const { bokeh, composePass } = frame.renderPassCamera;
+  const drawing = () => [...bokeh.passes, ...bokeh.views].filter(({ enabled }) => enabled).length;
+  const found = { drawing: drawing(), isScene: composePass.sceneTexture === bokeh.textures.color };
+  frame.setLens(1.4, 20);
+  await drawn();
+  const comesBack = drawing() === bokeh.passes.length && composePass.sceneTexture === bokeh.textures.result;
+  return { ...found, comesBack };
+}
+
 // Depth in metres as the passes read it, and where a ray meets the floor or the wall, in the leftmost columns, which
 // show nothing else: [{ name, drawn: [...], met: [...] }]
 export async function depths() {
@@ -251,21 +263,28 @@ export async function splats() {
   return { found, distance: SPLATS[2] };
 }
 
-// What the sample's own keys and clicks do: the focus distance before and after a click on the box, the debug mode
-// after a key.
+// What the sample's own keys and clicks do: the focus distance before, after a drag that ends on the box, and after a
+// click on it; the debug mode after a key.
 export async function interaction() {
   await drawn();
   const { x, y } = camera.worldToScreen(box.getPosition());
   const { canvas } = app.graphicsDevice;
   const { left, top } = canvas.getBoundingClientRect();
   const before = first.uniforms.focusDistance;
-  canvas.dispatchEvent(new MouseEvent('click', { clientX: left + x, clientY: top + y }));
+  const pointer = (type, by) => canvas.dispatchEvent(new MouseEvent(type, { clientX: left + x + by, clientY: top + y }));
+  pointer('pointerdown', 6);
+  pointer('click', 0);
+  app.renderNextFrame = true;
+  for (let i = 0; i < 5; i++) await drawn();
+  const dragged = first.uniforms.focusDistance;
+  pointer('pointerdown', 4);
+  pointer('click', 0);
   dispatchEvent(new KeyboardEvent('keydown', { key: '2' }));
   while (first.uniforms.focusDistance === before) await drawn();
   // until the pull is over
   for (let then; then !== first.uniforms.focusDistance; await drawn()) then = first.uniforms.focusDistance;
   const depth = -camera.viewMatrix.transformPoint(new Vec3().copy(box.getPosition())).z;
-  return { before, after: first.uniforms.focusDistance, box: depth, mode: first.debugMode };
+  return { before, dragged, after: first.uniforms.focusDistance, box: depth, mode: first.debugMode };
 }
 
 // What a frame of these options and uniforms shows, or why there is none

@@ -40,9 +40,11 @@ export async function depthsUnder(points) {
   return depths;
 }
 
-// A click focuses on what is there, on the nearest of some points around it, within five time constants.
-let [aims, left] = [[], 0];
-canvas.addEventListener('click', async ({ offsetX, offsetY }) => {
+// A click focuses on what is there, on the nearest of some points around it, within five time constants; a drag does not.
+let [aims, left, pressed] = [[], 0, null];
+canvas.addEventListener('pointerdown', ({ clientX, clientY }) => (pressed = [clientX, clientY]));
+canvas.addEventListener('click', async ({ offsetX, offsetY, clientX, clientY }) => {
+  if (pressed && Math.hypot(clientX - pressed[0], clientY - pressed[1]) > 5) return;
   const [x, y, d] = [offsetX / canvas.clientWidth, offsetY / canvas.clientHeight, 0.01];
   aims = await depthsUnder([[x, y], [x - d, y], [x + d, y], [x, y - d], [x, y + d]]);
   left = 1;

@@ -158,7 +158,7 @@ export class PolygonBokeh extends withLens(PostProcess) {
     camera.detachPostProcess(this);
     camera.attachPostProcess(this, 0);
     this.externalTextureSamplerBinding = true; // the scene's texture is called color here
-    Object.assign(this, { camera, uniforms, passes });
+    Object.assign(this, { camera, uniforms, passes, isAttached: true, isView: Boolean(options.view) });
     this.onApplyObservable.add((effect) => this.bind(effect, last));
 
     // Depth along the view axis: a pass of Babylon.js that draws the scene once more, into R32F. Where nothing is
@@ -180,8 +180,9 @@ export class PolygonBokeh extends withLens(PostProcess) {
       pass.wrapper.onApplyObservable.add(() => this.bind(pass.wrapper.effect, pass));
     }
     this.quad = new EffectRenderer(engine);
+    this.switching = scene.onBeforeRenderObservable.add(() => this.attach());
     this.drawing = scene.postProcessManager.onBeforeRenderObservable.add(() => {
-      if (scene.activeCamera === camera) this.draw();
+      if (scene.activeCamera === camera && this.isAttached) this.draw();
     });
     this.resizing = engine.onResizeObservable.add(() => {
       depth.resize({ width: engine.getRenderWidth(), height: engine.getRenderHeight() });
@@ -191,6 +192,23 @@ export class PolygonBokeh extends withLens(PostProcess) {
   // Whether all shaders are compiled
   isReady() {
     return this.textures.depth.isReadyForRendering() && this.passes.every(({ wrapper }) => wrapper.isReady());
+  }
+
+  // Where nothing is blurred, the camera is as without this: no pass, and no depth drawn
+  attach() {
+    const { camera, uniforms, isView } = this;
+    const wanted = isView || uniforms.apertureDiameter > 0;
+    if (wanted === this.isAttached) return;
+    this.isAttached = wanted;
+    const { customRenderTargets } = camera;
+    const { depth } = this.textures;
+    if (wanted) {
+      camera.attachPostProcess(this, 0);
+      customRenderTargets.push(depth);
+    } else {
+      camera.detachPostProcess(this);
+      customRenderTargets.splice(customRenderTargets.indexOf(depth), 1);
+    }
   }
 
   // All passes but the last, after the scene was drawn
@@ -216,6 +234,7 @@ export class PolygonBokeh extends withLens(PostProcess) {
 
   dispose() {
     const scene = this.camera.getScene();
+    scene.onBeforeRenderObservable.remove(this.switching);
     scene.postProcessManager.onBeforeRenderObservable.remove(this.drawing);
     scene.getEngine().onResizeObservable.remove(this.resizing);
     for (const { target, wrapper } of this.passes) {
@@ -247,6 +266,7 @@ export class PolygonBokehTask extends withLens(FrameGraphTask) {
     // To be set from outside, as those of PolygonBokeh
     this.uniforms = uniformsOf(options);
     this.camera = camera;
+    this.isView = Boolean(options.view);
     this.bokehPasses = passesOf(engine, options, held, [...Object.keys(this.uniforms), ...PLANES]);
     this.outputTexture = frameGraph.textureManager.createDanglingHandle();
   }
@@ -292,6 +312,11 @@ export class PolygonBokehTask extends withLens(FrameGraphTask) {
   draw(context, pass, handles, size) {
     const { wrapper, writes, reads } = pass;
     const { engine } = this._frameGraph;
+    if (!this.isView && !(this.uniforms.apertureDiameter > 0)) {
+      // nothing is blurred: the colours as they came
+      if (pass === this.bokehPasses.at(-1)) context.copyTexture(handles.color);
+      return;
+    }
     if (pass === this.bokehPasses[0] && 'frame' in this.uniforms) this.uniforms.frame += 1;
     if (writes.length > 1) context.bindAttachments(engine.buildTextureLayout(writes.map(() => true)));
     context.applyFullScreenEffect(wrapper.drawWrapper, () => {

@@ -236,6 +236,9 @@ function withAlpha(rows) {
   return [...rows.map((row) => renamed(row, 'blurred')), shares, ...again, both];
 }
 
+// In place of all passes where nothing is blurred: the colour as it came
+export const UNBLURRED = [['result'], 1, 'BokehFetchTexel(color, uv)'];
+
 // All passes of a method for 4, 6, 8 or 10 sides; paper has those of 6 and 8. The last one writes `result`.
 export function frame({ method, sides, preset, extras = [], alpha = false }, depth = DEPTH) {
   const others = { layered: LAYERED, exact: EXACT, paper: PAPER }[method][sides];

@@ -167,6 +167,11 @@ class PolygonBokeh extends FramePass {
     this.beforePasses.push(...this.passes, ...this.views);
   }
 
+  // Whether nothing is blurred, nor shown in place of the result
+  get isOff() {
+    return !(this.uniforms.apertureDiameter > 0) && this.debugMode === 0;
+  }
+
   texture(name) {
     return new Texture(this.device, {
       name: own(name),
@@ -185,7 +190,7 @@ class PolygonBokeh extends FramePass {
   frameUpdate() {
     super.frameUpdate();
     if ('frame' in this.uniforms) this.uniforms.frame += 1;
-    this.passes.forEach((pass, i) => (pass.enabled = i === 0 || this.debugMode === 0));
+    this.passes.forEach((pass, i) => (pass.enabled = !this.isOff && (i === 0 || this.debugMode === 0)));
     this.views.forEach((pass, i) => (pass.enabled = i + 1 === this.debugMode));
   }
 
@@ -228,6 +233,7 @@ class BokehCameraFrame extends FramePassCameraFrame {
     textures.color = this.composePass.sceneTexture;
     textures.metres = this.prePass?.linearDepthTexture;
     textures.depth = this.sceneDepthTexture ?? textures.metres;
+    if (this.bokeh.isOff) return; // PlayCanvas goes on with the scene as it is
     this.composePass.sceneTexture = textures.result;
     this.scenePassHalf?.setSourceTexture(textures.result);
   }

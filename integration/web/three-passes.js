@@ -7,7 +7,7 @@ import { FloatType, GLSL3, Group, HalfFloatType, Mesh, NearestFilter, NoBlending
 import { Raycaster, RedFormat, ShaderMaterial, Vector2, Vector3, WebGLRenderTarget } from 'three';
 import { FullScreenQuad } from 'three/addons/postprocessing/Pass.js';
 import { checked, uniformsOf } from './common.js';
-import { METRES, clockwise, declared, frame, library, stored, views } from './frames.js';
+import { METRES, UNBLURRED, clockwise, declared, frame, library, stored, views } from './frames.js';
 import { GLSL } from './shaders.js';
 import { THREE_CHOICES, withLens } from './three-common.js';
 
@@ -104,7 +104,8 @@ export const withPasses = (Base) =>
       });
       const shown = views(options.method).map((row) => ({ material: material(row, 0) }));
       const beforeView = passes.slice(0, 1 + passes.findIndex(({ writes }) => writes[0] === 'coc'));
-      return { options, textures, passes, views: shown, beforeView };
+      const copy = { material: material(UNBLURRED, 0) };
+      return { options, textures, passes, views: shown, beforeView, copy };
     }
 
     // Other options, of those of the constructor. It resolves when the next frame is drawn with them: until then the
@@ -150,17 +151,18 @@ export const withPasses = (Base) =>
       if (uniforms.frame) uniforms.frame.value += 1;
       textures.color.value = color;
       textures.depth.value = depth;
-      const diameter = uniforms.apertureDiameter.value;
-      if (!depth) uniforms.apertureDiameter.value = 0;
       const { autoClearDepth } = renderer;
       renderer.autoClearDepth = false; // in old versions of three.js the composer's two targets share depth: SharpPass
-      const view = this.views[uniforms.debugMode.value - 1];
-      for (const { material, target = output } of view ? [...this.beforeView, view] : this.passes) {
+      const view = depth && this.views[uniforms.debugMode.value - 1];
+      const blurs = depth && uniforms.apertureDiameter.value > 0;
+      // A chain of passes goes on with the colour as it is, but the screen needs it copied.
+      this.needsSwap = Boolean(view || blurs);
+      const unblurred = this.renderToScreen ? [this.copy] : [];
+      for (const { material, target = output } of view ? [...this.beforeView, view] : blurs ? this.passes : unblurred) {
         this.quad.material = material;
         renderer.setRenderTarget(target);
         this.quad.render(renderer);
       }
-      uniforms.apertureDiameter.value = diameter;
       renderer.autoClearDepth = autoClearDepth;
     }
 
@@ -174,8 +176,8 @@ export const withPasses = (Base) =>
       return reversedDepth ? 2 : 1;
     }
 
-    discard({ passes, views }) {
-      for (const { target, material } of [...passes, ...views]) {
+    discard({ passes, views, copy }) {
+      for (const { target, material } of [...passes, ...views, copy]) {
         target?.dispose();
         material.dispose();
       }

@@ -8,7 +8,7 @@ import { FloatType, HalfFloatType, NoBlending, Raycaster, RedFormat, Vector2, Ve
 import { Node, NodeMaterial, NodeUpdateType, QuadMesh, RenderTarget, RendererUtils, VarNode } from 'three/webgpu';
 import { nodeObject, outputStruct, passTexture, rtt, sampler, texture, uniform, uv, vec4, wgsl, wgslFn } from 'three/tsl';
 import { checked, uniformsOf } from './common.js';
-import { METRES, declared, frame, inWgsl, library, views } from './frames.js';
+import { METRES, UNBLURRED, declared, frame, inWgsl, library, views } from './frames.js';
 import { WGSL } from './shaders.js';
 import { THREE_CHOICES, withLens } from './three-common.js';
 
@@ -136,11 +136,12 @@ export class PolygonBokehNode extends withLens(Node, { Raycaster, Vector2, Vecto
     });
     const shown = views(options.method).map((row) => ({ row, writes: row[0], target: this.result }));
     const beforeView = passes.slice(0, 1 + passes.findIndex(({ writes }) => writes[0] === 'coc'));
-    return { options, passes, views: shown, beforeView };
+    const copy = { row: UNBLURRED, writes: UNBLURRED[0], target: this.result };
+    return { options, passes, views: shown, beforeView, copy };
   }
 
   // The materials of a frame
-  fill({ options, passes, views: shown }) {
+  fill({ options, passes, views: shown, copy }) {
     const { given, depthType } = this;
     const inputs = { ...this.uniforms, ...given };
     for (const { writes, target } of passes) {
@@ -150,7 +151,7 @@ export class PolygonBokehNode extends withLens(Node, { Raycaster, Vector2, Vecto
     const text = library(WGSL, options);
     const ofDepth = text.replace(/(?<=alias BokehDepthTexture = )[^;]+/, depthType);
     const libraries = [wgsl(text), wgsl(ofDepth)];
-    [...passes, ...shown].forEach((drawn, i) => {
+    [...passes, ...shown, copy].forEach((drawn, i) => {
       drawn.quad ??= new QuadMesh(material(this.fragment(drawn.row, i, options, inputs, libraries, depthType)));
     });
   }
@@ -242,7 +243,7 @@ export class PolygonBokehNode extends withLens(Node, { Raycaster, Vector2, Vecto
     const problem = this.refused(renderer);
     if (problem) throw new Error(problem);
     const { color, depth } = this.source;
-    const { depthKind, nearPlane, farPlane, imageSize, debugMode, frame: number } = this.uniforms;
+    const { depthKind, nearPlane, farPlane, imageSize, debugMode, apertureDiameter, frame: number } = this.uniforms;
     this.renderer = renderer;
     // 1 perspective, 2 perspective reversed, 5 orthographic, 6 orthographic reversed; the renderer sets reversedDepth
     depthKind.value = (this.camera.isOrthographicCamera ? 5 : 1) + (this.camera.reversedDepth ? 1 : 0);
@@ -256,7 +257,9 @@ export class PolygonBokehNode extends withLens(Node, { Raycaster, Vector2, Vecto
 
     rendererState = RendererUtils.resetRendererState(renderer, rendererState);
     const view = this.views[debugMode.value - 1];
-    for (const { quad, target } of view ? [...this.beforeView, view] : this.passes) {
+    // later nodes read the result, so that the colour is copied there where nothing is blurred
+    const drawn = apertureDiameter.value > 0 ? this.passes : [this.copy];
+    for (const { quad, target } of view ? [...this.beforeView, view] : drawn) {
       renderer.setRenderTarget(target);
       renderer.render(quad, quad.camera); // quad.render has a vertex shader that compileAsync does not know
     }
@@ -300,8 +303,8 @@ export class PolygonBokehNode extends withLens(Node, { Raycaster, Vector2, Vecto
     for (const { target, scale } of passes) target.setSize(Math.ceil(width / scale), Math.ceil(height / scale));
   }
 
-  discard({ passes, views: shown }) {
-    for (const { target, quad } of [...passes, ...shown]) {
+  discard({ passes, views: shown, copy }) {
+    for (const { target, quad } of [...passes, ...shown, copy]) {
       if (target !== this.result) target.dispose();
       quad?.material.dispose();
     }

@@ -106,6 +106,7 @@ pub enum BokehDebug {
 #[reflect(Component, Default, Debug, Clone)]
 #[require(Hdr)]
 pub struct Bokeh {
+    /// 0 turns the effect off: no pass is drawn.
     pub aperture_diameter: f32,
     pub focal_length: f32,
     /// Along the view axis, more than the focal length: see [`view_depth`].
@@ -113,6 +114,14 @@ pub struct Bokeh {
     pub sensor_height: f32,
     /// Largest circle of confusion, fraction of the image height.
     pub max_coc: f32,
+    /// Factor of the circle of confusion in front of the focus distance.
+    pub near_scale: f32,
+    /// Factor of the circle of confusion behind the focus distance.
+    pub far_scale: f32,
+    /// Limit in front of the focus distance, as `max_coc`, which limits both sides.
+    pub near_max_coc: f32,
+    /// Limit behind the focus distance.
+    pub far_max_coc: f32,
     pub method: BokehMethod,
     pub shape: BokehShape,
     pub preset: BokehPreset,
@@ -129,6 +138,10 @@ impl Default for Bokeh {
             focus_distance: 5.0,
             sensor_height: 0.024,
             max_coc: 0.1,
+            near_scale: 1.0,
+            far_scale: 1.0,
+            near_max_coc: 1.0,
+            far_max_coc: 1.0,
             method: default(),
             shape: default(),
             preset: default(),
@@ -289,6 +302,12 @@ impl Bokeh {
             blur_coc: 1.0,
             debug_mode: self.debug.map_or(0.0, |mode| mode as u32 as f32),
             line_length: 1.0,
+            near_scale: self.near_scale,
+            far_scale: self.far_scale,
+            near_max_coc: self.near_max_coc,
+            far_max_coc: self.far_max_coc,
+            depth_width: 1.0,
+            depth_height: 1.0,
             squeeze: 1.0,
             spacing: self.preset.numbers().1,
             image_width: size.x,
@@ -413,7 +432,8 @@ impl BokehPipelines {
         let (shader, layout) = (self.shaders[several as usize].clone(), &self.layouts[several as usize]);
         *self.made.entry((pass.entry, preset, several)).or_insert_with(|| {
             let numbers = CONSTANTS.into_iter().zip(preset.numbers().0);
-            let constants: Vec<_> = numbers.map(|(name, value)| (name.into(), f64::from(value))).collect();
+            let mut constants: Vec<_> = numbers.map(|(name, value)| (name.into(), f64::from(value))).collect();
+            constants.push(("BOKEH_FOCUS_CONTROLS".into(), 1.0));
             cache.queue_render_pipeline(RenderPipelineDescriptor {
                 label: Some(pass.entry.into()),
                 layout: vec![layout.clone()],
@@ -512,6 +532,9 @@ fn bokeh(
     mut context: RenderContext,
 ) {
     let (view_target, device_depth, textures, passes) = view.into_inner();
+    if passes.drawn.aperture_diameter <= 0.0 && passes.drawn.debug.is_none() {
+        return;
+    }
     // Nothing is drawn before every shader is compiled
     let ready: Option<Vec<_>> = passes.steps.iter().map(|step| cache.get_render_pipeline(step.1)).collect();
     let depth_buffer = device_depth.attachment.depth_stencil_views().depth_only_view();

@@ -74,7 +74,7 @@ class DepthOfField:
     To be set at any time, they act from the next frame on:
     f_stop          of the lens, which is the camera's, and what it sees is a sensor of
     sensor_height   0.024 where your unit is a metre, 24 where it is a millimetre
-    bokeh_scale     how many times wider the blur is than that lens's: 1 is the real lens, 0 is none
+    bokeh_scale     how many times wider the blur is than that lens's: 1 is the real lens; with 0 no pass is drawn
     focus_distance  depth along the view axis, your unit
     rotation        of the polygon, radians, clockwise on the screen
     parameters      all others by their names in docs/reference/parameters.md: BokehMaxCoC, BokehSqueeze ..
@@ -129,12 +129,12 @@ class DepthOfField:
             # FilterManager numbers its buffers in the order in which they are drawn
             manager.nextsort -= 1
         self.textures, self.passes, self.buffers, self.values = dict(self.scene), [], [], None
+        self.method, self.blurs = method, None
         head = "".join(f"#define {line}\n" for line in (f"BOKEH_PRESET_{preset}", *defines))
         for name, reads, writes, scale, parameters in (*begin, *frames[sides]):
             # the tables have layers of half size, and those of MOBILE have a quarter
             scale = 4 if preset == "MOBILE" and scale == 2 else scale
             self._add(head, name, reads, writes, scale, parameters)
-        self.quad.setShaderInput("image", self.textures["result"])
         self.update()
 
     def _add(self, head, name, reads, writes, scale, parameters):
@@ -185,6 +185,12 @@ class DepthOfField:
                 angle = values["BokehAngle"] + parameters.get("BokehAngle", 0.0)
                 quad.setShaderInputs(**{**values, **parameters, "BokehAngle": angle})
             self.values = values
+        blurs = self.bokeh_scale > 0.0 or self.method == "debug"
+        if blurs != self.blurs:
+            for buffer in self.buffers:
+                buffer.setActive(blurs)
+            self.quad.setShaderInput("image", self.textures["result" if blurs else "color"])
+            self.blurs = blurs
         return task and task.cont
 
     def focus_on(self, node):

@@ -81,6 +81,7 @@ namespace PolygonalBokeh
         {
             public Material material;
             public float apertureDiameter, focalLength, focusDistance, sensorHeight;
+            public float nearScale, farScale, nearMaxCoC, farMaxCoC;
             public float maxCoC, squeeze, rotation, debugMode;
             public float width, height;
             public float depthKind, near, far;
@@ -185,6 +186,10 @@ namespace PolygonalBokeh
                     values.focusDistance = focus.distance;
                 }
                 values.maxCoC = volume.maxCoC.value;
+                values.nearScale = volume.nearScale.value;
+                values.farScale = volume.farScale.value;
+                values.nearMaxCoC = volume.nearMaxCoC.value;
+                values.farMaxCoC = volume.farMaxCoC.value;
                 values.rotation = volume.rotation.value;
                 values.debugMode = (int)view - (int)View.Colour;
                 values.width = description.width;
@@ -265,6 +270,10 @@ namespace PolygonalBokeh
                 Properties.SetFloat(BokehFrames.FocusDistance, values.focusDistance);
                 Properties.SetFloat(BokehFrames.SensorHeight, values.sensorHeight);
                 Properties.SetFloat(BokehFrames.MaxCoC, values.maxCoC);
+                Properties.SetFloat(BokehFrames.NearScale, values.nearScale);
+                Properties.SetFloat(BokehFrames.FarScale, values.farScale);
+                Properties.SetFloat(BokehFrames.NearMaxCoC, values.nearMaxCoC);
+                Properties.SetFloat(BokehFrames.FarMaxCoC, values.farMaxCoC);
                 Properties.SetFloat(BokehFrames.Squeeze, values.squeeze);
                 Properties.SetFloat(BokehFrames.DebugMode, values.debugMode);
                 Properties.SetFloat(BokehFrames.ImageWidth, values.width);

@@ -42,6 +42,18 @@ namespace PolygonalBokeh
         [Tooltip("Largest circle of confusion: its diameter as a fraction of the image height")]
         public ClampedFloatParameter maxCoC = new ClampedFloatParameter(0.1f, 0.0f, 0.5f);
 
+        [Tooltip("Factor of the circle of confusion in front of the focus distance. Paper ignores this and the next three")]
+        public MinFloatParameter nearScale = new MinFloatParameter(1.0f, 0.0f);
+
+        [Tooltip("Factor of the circle of confusion behind the focus distance")]
+        public MinFloatParameter farScale = new MinFloatParameter(1.0f, 0.0f);
+
+        [Tooltip("Limit in front of the focus distance, as Max CoC, which limits both sides")]
+        public ClampedFloatParameter nearMaxCoC = new ClampedFloatParameter(1.0f, 0.0f, 1.0f);
+
+        [Tooltip("Limit behind the focus distance")]
+        public ClampedFloatParameter farMaxCoC = new ClampedFloatParameter(1.0f, 0.0f, 1.0f);
+
         [Header("Bokeh")]
         [Tooltip("The paper's method has Hexagon and Octagon")]
         public EnumParameter<BokehAperture> aperture = new EnumParameter<BokehAperture>(BokehAperture.Hexagon);

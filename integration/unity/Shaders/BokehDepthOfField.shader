@@ -73,9 +73,12 @@ Shader "Hidden/BokehDepthOfField"
     #pragma warning (disable : 3556)
     // textures and samplers as Direct3D 11 has them; Unity translates that for all of its platforms
     #define BOKEH_HLSL_SM 5
+    // scales and limits of the near and the far blur
+    #define BOKEH_FOCUS_CONTROLS 1
     #include "bokeh.hlsl"
     #include "bokeh_paper.hlsl"
     #include "bokeh_layers.hlsl"
+    #include "bokeh_lens.hlsl"
     #include "bokeh_passes.hlsl"
 
     // Unity's triangle: it knows which row of a texture is the first on this platform

@@ -23,6 +23,13 @@ for (const version of VERSIONS) {
       assert.ok(light > 0);
     });
 
+    await t.test('a bokehScale of 0 draws a copy in place of all passes, and is the scene', async () => {
+      const { fewer, passes, acts, ...found } = await call('unblurred');
+      assert.equal(fewer, passes - 1);
+      assert.deepEqual(found, { off: 0, again: 0 });
+      assert.ok(acts > 0);
+    });
+
     for (const change of CHANGES) {
       await t.test(`${JSON.stringify(change)}: as from the beginning, and the next frame makes no pipeline`, async () => {
         const { off, added, acts } = await call('changed', change);

@@ -39,6 +39,12 @@ for (const version of VERSIONS) {
       assert.match(await call('stops'), /f-stop of 0/);
     });
 
+    await t.test('a bokehScale of 0 draws no pass, but the copy that a screen needs, and is the scene', async () => {
+      const { acts, ...found } = await call('unblurred');
+      assert.deepEqual(found, { off: 0, inChain: 0, onScreen: 1, again: 0 });
+      assert.ok(acts > 0);
+    });
+
     await t.test('depth: none is said once and nothing blurs; empty is said; right: not a word; depthOf', async () => {
       const { none, empty, right } = await call('warned');
       assert.deepEqual([none, empty, right].map(({ said }) => said.length), [1, 1, 0]);

@@ -20,6 +20,14 @@ pub struct Lens {
     pub sensor_height: f32,
     /// Largest circle of confusion, as a fraction of the image height.
     pub max_coc: f32,
+    /// Factor of the circle of confusion in front of the focus distance.
+    pub near_scale: f32,
+    /// Factor of the circle of confusion behind the focus distance.
+    pub far_scale: f32,
+    /// Limit in front of the focus distance, as [`Lens::max_coc`], which limits both sides.
+    pub near_max_coc: f32,
+    /// Limit behind the focus distance.
+    pub far_max_coc: f32,
     /// Of the polygon, radians from +x to +y of the image (clockwise on the screen).
     pub rotation: f32,
     /// Width of the polygon over its height: 0.5 is an anamorphic lens of squeeze 2.
@@ -51,6 +59,10 @@ impl Lens {
             focus_distance,
             sensor_height: 0.024,
             max_coc: 0.1,
+            near_scale: 1.0,
+            far_scale: 1.0,
+            near_max_coc: 1.0,
+            far_max_coc: 1.0,
             rotation: 0.0,
             squeeze: 1.0,
             debug: None,
@@ -83,6 +95,10 @@ impl Lens {
         parameters.focus_distance = self.focus_distance;
         parameters.sensor_height = self.sensor_height;
         parameters.max_coc = self.max_coc;
+        parameters.near_scale = self.near_scale;
+        parameters.far_scale = self.far_scale;
+        parameters.near_max_coc = self.near_max_coc;
+        parameters.far_max_coc = self.far_max_coc;
         parameters.angle = self.rotation;
         parameters.squeeze = self.squeeze;
         parameters.debug_mode = self.debug.map_or(0.0, |mode| mode as u32 as f32);

@@ -74,7 +74,7 @@ pub struct Viewport {
     pub height: u32,
 }
 
-/// Why [`Bokeh::targets`] cannot work with a texture.
+/// Why [`Bokeh::targets`] cannot work with a texture, or [`Bokeh::render_part`] with a viewport.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Error {
     /// Colour and depth, in pixels.
@@ -85,6 +85,10 @@ pub enum Error {
     CannotBeRead(&'static str),
     /// The texture, "colour" or "depth", has a format that the effect does not read.
     Format(&'static str, TextureFormat),
+    /// The effect was made by [`Bokeh::new`], whose image fills its textures.
+    NoViewports,
+    /// The viewport is empty, or not within the image, whose width and height come last.
+    Outside(Viewport, (u32, u32)),
 }
 
 impl fmt::Display for Error {
@@ -104,6 +108,10 @@ impl fmt::Display for Error {
             }
             Self::Format(name, format) => {
                 write!(out, "{name} is {format:?}: use a float format that can be filtered, as Rgba16Float")
+            }
+            Self::NoViewports => write!(out, "the effect has no viewports: make it with Bokeh::with_viewport"),
+            Self::Outside(viewport, (w, h)) => {
+                write!(out, "{viewport:?} is empty or not within the image of {w} x {h} pixels")
             }
         }
     }
@@ -202,6 +210,7 @@ impl Bokeh {
         let frame = &table[polygon as usize / 2 - 2];
         let mut constants = frames::PRESETS[preset as usize].to_vec();
         constants.push(("BOKEH_VIEWPORT", f64::from(u8::from(has_viewport))));
+        constants.push(("BOKEH_FOCUS_CONTROLS", 1.0));
         let shaders = module(device, SHADERS.into());
         let pipelines = frame.passes[1..].iter().map(|pass| pipeline(device, &shaders, pass, &constants)).collect();
         let single_sampled = ReadsDepth::new(device, &shaders, frame, &constants);
@@ -324,9 +333,10 @@ impl Bokeh {
 
     /// The same for an image that fills a part of its textures. What is around it in the result is undefined.
     ///
-    /// # Panics
+    /// # Errors
     ///
-    /// If it was not made by [`Bokeh::with_viewport`], or the viewport is not within the image.
+    /// If it was not made by [`Bokeh::with_viewport`], or the viewport is empty or not within the image. Nothing is
+    /// recorded then.
     pub fn render_part<'a>(
         &self,
         queue: &Queue,
@@ -335,13 +345,17 @@ impl Bokeh {
         lens: &Lens,
         depth: Depth,
         viewport: Viewport,
-    ) -> &'a Texture {
-        assert!(self.has_viewport, "make the effect with Bokeh::with_viewport");
+    ) -> Result<&'a Texture, Error> {
+        if !self.has_viewport {
+            return Err(Error::NoViewports);
+        }
         let full = targets.full;
         let fits = viewport.x.saturating_add(viewport.width) <= full.width
             && viewport.y.saturating_add(viewport.height) <= full.height;
-        assert!(fits, "{viewport:?} is not within the {} x {} pixels of the image", full.width, full.height);
-        self.recorded(queue, encoder, targets, lens, depth, viewport, &mut |_, _| ())
+        if !fits || viewport.width == 0 || viewport.height == 0 {
+            return Err(Error::Outside(viewport, (full.width, full.height)));
+        }
+        Ok(self.recorded(queue, encoder, targets, lens, depth, viewport, &mut |_, _| ()))
     }
 
     #[allow(clippy::too_many_arguments)]

@@ -154,7 +154,7 @@ fn a_viewport_draws_what_the_whole_image_does() {
         let (color, depth) = (color(&gpu, width, height, 64, 32), depth(&gpu, width, height, 0.97));
         let targets = part.targets(&gpu.0, &color, &depth).unwrap();
         let mut encoder = gpu.0.create_command_encoder(&Default::default());
-        let result = part.render_part(&gpu.1, &mut encoder, &targets, &lens(), PLANES, viewport);
+        let result = part.render_part(&gpu.1, &mut encoder, &targets, &lens(), PLANES, viewport).unwrap();
         gpu.1.submit([encoder.finish()]);
         let picture = images::bytes(&gpu.0, &gpu.1, result);
         let row = |y: u32| &picture[((32 + y) * width + 64) as usize * 8..][..WIDTH as usize * 8];
@@ -226,4 +226,55 @@ fn mistakes_are_errors() {
         "colour has 96 x 64 pixels, depth 48 x 64: both need one size",
     ];
     assert_eq!(said, wanted.map(str::to_string));
+}
+
+#[test]
+fn wrong_viewports_are_errors() {
+    let gpu = gpu();
+    let (color, depth) = (color(&gpu, WIDTH, HEIGHT, 0, 0), depth(&gpu, WIDTH, HEIGHT, 0.97));
+    let said = |bokeh: &Bokeh, x: u32, width: u32| {
+        let targets = bokeh.targets(&gpu.0, &color, &depth).unwrap();
+        let mut encoder = gpu.0.create_command_encoder(&Default::default());
+        let viewport = Viewport { x, y: 0, width, height: HEIGHT };
+        bokeh.render_part(&gpu.1, &mut encoder, &targets, &lens(), PLANES, viewport).map_err(|error| error.to_string()).err()
+    };
+    let whole = Bokeh::new(&gpu.0, Method::Exact, Polygon::Square, Preset::Low);
+    let part = Bokeh::with_viewport(&gpu.0, Method::Exact, Polygon::Square, Preset::Low);
+    let outside = |x: u32, width: u32| {
+        let viewport = Viewport { x, y: 0, width, height: HEIGHT };
+        Some(format!("{viewport:?} is empty or not within the image of 96 x 64 pixels"))
+    };
+    let no_viewports = "the effect has no viewports: make it with Bokeh::with_viewport";
+    assert_eq!(said(&whole, 0, WIDTH), Some(no_viewports.into()));
+    assert_eq!(said(&part, 8, WIDTH), outside(8, WIDTH));
+    assert_eq!(said(&part, u32::MAX, WIDTH), outside(u32::MAX, WIDTH));
+    assert_eq!(said(&part, 0, 0), outside(0, 0));
+    assert_eq!(said(&part, 8, WIDTH - 8), None);
+}
+
+/// The signed circle of confusion of an image that is everywhere `stored`, in alpha.
+fn coc(gpu: &Gpu, bokeh: &Bokeh, stored: f32, lens: &Lens) -> Vec<u8> {
+    let grey = images::color(&gpu.0, &gpu.1, WIDTH, HEIGHT, &[[0.1; 4]; (WIDTH * HEIGHT) as usize]);
+    let picture = drawn(gpu, bokeh, &grey, &depth(gpu, WIDTH, HEIGHT, stored), lens, PLANES);
+    picture[6..8].to_vec()
+}
+
+#[test]
+fn near_and_far_have_scales_and_limits_of_their_own() {
+    let gpu = gpu();
+    let bokeh = Bokeh::new(&gpu.0, Method::Exact, Polygon::Square, Preset::Low);
+    let (near, far) = (0.0, 0.97); // 0.5 m and 14.4 m, the focus is at 2 m
+    let plain = lens();
+    for (is_near, changed) in [
+        (true, Lens { near_scale: 0.5, max_coc: 1.0, ..plain }),
+        (false, Lens { far_scale: 0.5, max_coc: 1.0, ..plain }),
+        (true, Lens { near_max_coc: 0.01, ..plain }),
+        (false, Lens { far_max_coc: 0.01, ..plain }),
+    ] {
+        let unchanged = Lens { max_coc: changed.max_coc, ..plain };
+        for (side, stored) in [(true, near), (false, far)] {
+            let same = coc(&gpu, &bokeh, stored, &changed) == coc(&gpu, &bokeh, stored, &unchanged);
+            assert_eq!(same, side != is_near, "{changed:?}");
+        }
+    }
 }

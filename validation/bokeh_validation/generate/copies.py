@@ -14,7 +14,7 @@ from bokeh_validation.shaders.entries import ENTRIES, EXACT
 UNITY, UNREAL = "integration/unity", "integration/unreal/BokehDepthOfField"
 # The folder in ReShade's archive
 RESHADE = "integration/reshade/Shaders"
-STEMS = ("bokeh", "bokeh_paper", "bokeh_layers", "bokeh_passes")
+STEMS = ("bokeh", "bokeh_paper", "bokeh_layers", "bokeh_lens", "bokeh_passes")
 LICENSED = (
     f"{UNITY}/LICENSE.md", f"{UNREAL}/LICENSE", "integration/godot/addons/polygon_bokeh/LICENSE",
     "integration/panda3d/LICENSE", "integration/bevy/LICENSE", "integration/wgpu/LICENSE",

@@ -22,10 +22,11 @@ def sample():
 
 
 def test_click_and_key(sample):
-    """Check that a click focuses on the front of the box and a key shows the CoC; without the node the scene is
-    unchanged.
+    """Check that a click focuses on the front of the box, a drag does not, and a key shows the CoC; without the node
+    the scene is unchanged.
     """
     said = sample.call("interaction", None)
+    assert said["points"] == [0, 1]
     assert 5.8 < said["focus"] < 6.5
     assert said["view"] == 2
     assert said["hidden"] and said["drawn"]
@@ -68,6 +69,16 @@ def test_debug_views(sample):
         return np.where(value <= 0.04045, value / 12.92, ((value + 0.055) / 1.055) ** 2.4)
 
     assert_debug_views(sample.call("views", None), linear)
+
+
+def test_off(sample):
+    """Check that with a bokeh scale of 0 no pass draws, and that the image is that of a lens without blur: within a
+    step of 8 bits.
+    """
+    said = sample.call("unblurred", None)
+    assert (said["drawing"], said["passes"], said["acts"]) == (0, 4, True)
+    shown, sharp = (pixels(said[name]).astype(float) for name in ("shown", "sharp"))
+    assert abs(shown - sharp).max() < 1.0 / 255.0 and sharp.max() > 0.9
 
 
 def test_pull(sample):

@@ -31,14 +31,13 @@ def sample(request):
 def test_what_the_guide_says(sample):
     """Check interaction, depth and debug views.
 
-    Interaction comes first, while the page is as the sample made it: a click focuses, a drag does not (three.js), a
-    key shows the circle of confusion. Depth: the passes read the distance of the surface that a ray hits, or the far
+    Interaction comes first, while the page is as the sample made it: a click focuses, a drag does not, a key shows the circle of confusion. Depth: the passes read the distance of the surface that a ray hits, or the far
     plane if it hits nothing, with every camera and buffer. Debug views follow BOKEH_DEBUG; alpha is the signed CoC.
     """
     (name, page), kind = sample, sample[0].partition("-")[2]
     answer = page.call("interaction", kind)
     assert_pulled(answer)
-    assert answer.get("dragged", answer["before"]) == answer["before"]
+    assert answer["dragged"] == answer["before"]
     assert "coc" in answer["passes"][1] and len(answer["passes"]) == 2 if "babylonjs" in name else answer["mode"] == 2
     cases = page.call("depths", kind)
     assert len(cases) == CAMERAS[name][0]
@@ -50,6 +49,19 @@ def test_what_the_guide_says(sample):
         if "nearer" in case:
             assert np.mean((met < case["focus"]) == case["nearer"]) >= CAMERAS[name][1], case["name"]
     assert_debug_views(page.call("views", kind))
+
+
+@pytest.mark.parametrize(
+    "sample", samples(name for name in CAMERAS if not name.startswith("threejs")), indirect=True
+)  # three.js: test_web.py
+def test_off(sample):
+    """Check that with a bokeh scale of 0 no pass draws, that the next effect reads the scene, and that a larger scale
+    turns the blur on again.
+    """
+    name, page = sample
+    found = page.call("unblurred", name.partition("-")[2])
+    task = {"task": True} if "babylonjs" in name else {}
+    assert found == {"drawing": 0, "isScene": True, "comesBack": True, **task}
 
 
 @pytest.mark.parametrize("sample", samples(["threejs-webgpu"]), indirect=True)

@@ -27,7 +27,7 @@ enum View { PICTURE, DEPTH, COC, FIELDS }
 @export_enum("MOBILE", "LOW", "MEDIUM", "HIGH", "ULTRA") var preset := "MEDIUM"
 ## Of the lens, whose focal length comes from the camera's field of view.
 @export var f_stop := 2.8
-## How many times wider the blur is than that lens's: 1 is the real lens, 0 is none.
+## How many times wider the blur is than that lens's: 1 is the real lens; with 0 no pass is drawn.
 @export var bokeh_scale := 10.0
 @export var sensor_height := 0.024 ## Metres.
 @export_range(0.0, 1.0) var max_coc := 0.1 ## Largest blur, fraction of the image height.
@@ -86,6 +86,7 @@ var _host: Viewport # that shows the picture
 var _size: Vector2i
 var _made: Array # what the passes were made for
 var _parts: Array[Node] = []
+var _passes: Array[SubViewport] = []
 var _materials: Array[ShaderMaterial] = []
 var _values := {}
 var _cut := true
@@ -154,6 +155,9 @@ func _update(delta: float) -> void:
 		exposure = exposure, white = white, view = view,
 	}
 	_cut = false
+	values.blurs = bokeh_scale > 0.0 or view != View.PICTURE
+	for drawn in _passes:
+		drawn.render_target_update_mode = SubViewport.UPDATE_ALWAYS if values.blurs else SubViewport.UPDATE_DISABLED
 	for key: String in values:
 		if _values.get(key) != values[key]:
 			for material in _materials:
@@ -182,7 +186,7 @@ func _make(host: Viewport, size: Vector2i) -> void:
 		shader.code = PASS % [preset, sides, folder, folder, folder, reads, sides, call]
 		# the table has layers of half size, and those of MOBILE have a quarter
 		var scale: int = 4 if preset == "MOBILE" and row[1] == 2 else row[1]
-		_add(row[0], Vector2i((Vector2(size) / scale).ceil()), shader)
+		_passes.append(_add(row[0], Vector2i((Vector2(size) / scale).ceil()), shader))
 	var again := Shader.new()
 	again.code = "shader_type canvas_item; render_mode unshaded, blend_disabled; uniform sampler2D "\
 			+ "focus; void fragment() { COLOR = texelFetch(focus, ivec2(0, 0), 0); }"
@@ -207,6 +211,7 @@ func _remove() -> void:
 	for part in _parts:
 		part.queue_free()
 	_parts.clear()
+	_passes.clear()
 	_materials.clear()
 	textures.clear()
 
@@ -232,11 +237,12 @@ func _draw_scene() -> void:
 
 
 # A pass. Viewports are drawn in the order in which they come into the tree.
-func _add(title: String, size: Vector2i, shader: Shader) -> void:
+func _add(title: String, size: Vector2i, shader: Shader) -> SubViewport:
 	var target_of_pass := _viewport(title, size)
 	target_of_pass.disable_3d = true
 	target_of_pass.transparent_bg = true # alpha is data
 	_keep(_rectangle(shader), target_of_pass)
+	return target_of_pass
 
 
 func _viewport(title: String, size: Vector2i) -> SubViewport:

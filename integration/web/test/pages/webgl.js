@@ -102,6 +102,31 @@ window.bokeh = {
     return found;
   },
 
+  // A bokehScale of 0: passes that draw, in a chain and as its last one, and how far from the colour that went in
+  unblurred() {
+    const world = makeScene();
+    const scene = drawn(chain(world, {}, { depth: false }));
+    const made = chain(world, {});
+    const { quad } = made.bokeh;
+    const { render } = quad;
+    let count = 0;
+    quad.render = (...given) => {
+      count += 1;
+      render.apply(quad, given);
+    };
+    const blurred = drawn(made);
+    made.bokeh.setLens(2.8, 0);
+    count = 0;
+    const off0 = off(drawn(made), scene);
+    const inChain = count;
+    made.composer.renderToScreen = true;
+    made.composer.render();
+    made.composer.renderToScreen = false;
+    const onScreen = count - inChain;
+    made.bokeh.setLens(1.4, 20);
+    return { off: off0, inChain, onScreen, acts: off(blurred, scene), again: off(drawn(made), blurred) };
+  },
+
   // A pass between the scene and the bokeh, with depthOf: as without it
   between() {
     const world = makeScene();

@@ -107,6 +107,29 @@ window.bokeh = {
     return { off: off(result, wanted), acts: off(before, wanted), added };
   },
 
+  // A bokehScale of 0: how many renders fewer there are, of how many passes, and how far from the scene
+  async unblurred() {
+    const made = chain(makeScene(), {});
+    const { render } = renderer;
+    let count = 0;
+    renderer.render = (...given) => {
+      count += 1;
+      return render.apply(renderer, given);
+    };
+    const blurred = await drawn(made);
+    const whole = count;
+    made.bokeh.setLens(2.8, 0);
+    count = 0;
+    const image = await drawn(made);
+    const fewer = whole - count;
+    delete renderer.render;
+    const halves = await renderer.readRenderTargetPixelsAsync(made.bokeh.scenePass.renderTarget, 0, 0, ...SIZE);
+    const scene = Array.from(halves, THREE.DataUtils.fromHalfFloat);
+    made.bokeh.setLens(1.4, 20);
+    const again = off(await drawn(made), blurred);
+    return { fewer, passes: made.bokeh.passes.length, off: off(image, scene), acts: off(blurred, scene), again };
+  },
+
   // Frames while the shaders of a change are compiled: how far from those before it, and how many there were
   async between(change) {
     const made = chain(makeScene(), {});

@@ -29,6 +29,10 @@ BOKEH_SETTING(float, BokehScale, 10.0f, "how many times wider the blur is than t
 BOKEH_SETTING(float, FocusDistance, 0.0f, "metres along the view axis; 0: the camera's, or 5");
 BOKEH_SETTING(float, SensorHeight, 0.0f, "metres; 0: the camera's, or 0.024");
 BOKEH_SETTING(float, MaxCoC, 0.1f, "largest circle of confusion: its diameter as a fraction of the image height");
+BOKEH_SETTING(float, NearScale, 1.0f, "factor of the circle of confusion in front of the focus distance");
+BOKEH_SETTING(float, FarScale, 1.0f, "factor of the circle of confusion behind the focus distance");
+BOKEH_SETTING(float, NearMaxCoC, 1.0f, "limit in front of the focus distance, as MaxCoC, which limits both sides");
+BOKEH_SETTING(float, FarMaxCoC, 1.0f, "limit behind the focus distance");
 BOKEH_SETTING(float, Rotation, 0.0f, "degrees, clockwise");
 BOKEH_SETTING(float, Squeeze, 0.0f, "width over height of the bokeh; 0: by the camera's squeeze factor, or 1");
 
@@ -186,6 +190,10 @@ struct FBokehPasses
         Given->BokehFocusDistance = Lens.FocusDistance;
         Given->BokehSensorHeight = Lens.SensorHeight;
         Given->BokehMaxCoC = SettingMaxCoC.GetValueOnRenderThread();
+        Given->BokehNearScale = SettingNearScale.GetValueOnRenderThread();
+        Given->BokehFarScale = SettingFarScale.GetValueOnRenderThread();
+        Given->BokehNearMaxCoC = SettingNearMaxCoC.GetValueOnRenderThread();
+        Given->BokehFarMaxCoC = SettingFarMaxCoC.GetValueOnRenderThread();
         Given->BokehSqueeze = Lens.Squeeze;
         Given->BokehDebugMode = static_cast<float>(SettingDebug.GetValueOnRenderThread() - 1);
         return Given;
@@ -247,7 +255,8 @@ FBokehViewExtension::FBokehViewExtension(const FAutoRegister& AutoRegister)
 
 bool FBokehViewExtension::IsActiveThisFrame_Internal(const FSceneViewExtensionContext& Context) const
 {
-    return SettingEnable.GetValueOnGameThread() != 0;
+    const bool bBlurs = SettingBokehScale.GetValueOnGameThread() > 0.0f || SettingDebug.GetValueOnGameThread() > 0;
+    return SettingEnable.GetValueOnGameThread() != 0 && bBlurs;
 }
 
 void FBokehViewExtension::SubscribeToPostProcessingPass(EPostProcessingPass Pass, const FSceneView& InView,
