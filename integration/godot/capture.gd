@@ -298,27 +298,24 @@ func _drawing(bokeh: PolygonBokeh, mode: SubViewport.UpdateMode) -> void:
 			child.render_target_update_mode = mode
 
 
-# With a bokeh_scale of 0: { drawing: passes that draw, passes: all, shown: the picture; sharp: that of a lens without blur }
+# With a bokeh_scale of 0: { drawing: passes that draw, passes: all, coc: the map, whose colour is the scene's, shown: the
+# picture, acts: whether it is another one with the blur }
 func unblurred(_argument: Variant) -> Dictionary:
 	var host := _host(SIZE)
 	host.use_hdr_2d = true # not rounded to 8 bits
 	var bokeh: PolygonBokeh = host.get_child(0).bokeh
 	bokeh.method = "exact"
-	bokeh.f_stop = 1e9
 	await _drawn()
-	var sharp := _joined(await _read(_halves(host.get_texture())), 0)
-	bokeh.f_stop = 0.7
+	var read := await _read(_halves(bokeh.textures.coc) + _halves(host.get_texture()))
 	bokeh.bokeh_scale = 0.0
 	await _drawn()
 	var drawing := bokeh._passes.filter(func(drawn): return drawn.render_target_update_mode == SubViewport.UPDATE_ALWAYS)
 	var shown := _joined(await _read(_halves(host.get_texture())), 0)
-	var found := { drawing = drawing.size(), passes = bokeh._passes.size(), shown = Marshalls.raw_to_base64(shown) }
-	found.sharp = Marshalls.raw_to_base64(sharp)
-	bokeh.bokeh_scale = 10.0
-	await _drawn()
-	found.acts = _joined(await _read(_halves(host.get_texture())), 0) != sharp
 	host.queue_free()
-	return found
+	return {
+		drawing = drawing.size(), passes = bokeh._passes.size(), coc = Marshalls.raw_to_base64(_joined(read, 0)),
+		shown = Marshalls.raw_to_base64(shown), acts = _joined(read, 2) != shown,
+	}
 
 
 # A drag and a click on the box, and a key: { points: how many after each, focus, box, view }; then the node is gone: { drawn: 3D is drawn again, left }

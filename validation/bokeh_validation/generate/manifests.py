@@ -1,9 +1,11 @@
-"""Write the repository's addresses into every package's manifest: `validation/run generate --repository ADDRESS`.
+"""Write the repository's addresses into every package: `validation/run generate --repository ADDRESS`.
 
-The checkout does not know where it is published, so manifests have no addresses until this command sets them.
+The checkout does not know where it is published, so manifests have no addresses until this command sets them. The
+READMEs that stores show without the rest of the repository get absolute links.
 """
 
 import json
+import posixpath
 import re
 
 from bokeh_validation import __version__, paths
@@ -11,10 +13,18 @@ from bokeh_validation.errors import UserError
 
 ADDRESS = re.compile(r"https://[\w.-]+(?:/[\w.~-]+)+?(?:\.git)?/?")
 PYPROJECT = "integration/panda3d/pyproject.toml"
+# Folder of a package -> what of its README's relative links its archive has. Of the npm package's all.
+READMES = {
+    "integration/panda3d": (),
+    "integration/unity": (),
+    "integration/wgpu": ("picture.png",),
+    "integration/bevy": ("picture.png",),
+}
 
 
 def with_repository(address: str) -> dict[str, str]:
-    """Return path below the checkout -> text of each manifest with these addresses, which replace earlier ones.
+    """Return path below the checkout -> text of each manifest and README with these addresses, which replace earlier
+    ones.
 
     address  of the repository's page, such as https://example.com/owner/name
 
@@ -59,7 +69,24 @@ def with_repository(address: str) -> dict[str, str]:
     changed["CITATION.cff"] = _line(
         "CITATION.cff", r"^license: MIT$", r"^repository-code: .*$", f"repository-code: {page}"
     )
-    return changed
+    return changed | {f"{folder}/README.md": _readme(folder, page) for folder in READMES}
+
+
+def _readme(folder: str, page: str) -> str:
+    """Return the text of a README whose links to what its archive lacks are absolute, at the tag of this version.
+
+    Images are linked by their raw address.
+    """
+
+    def absolute(match: re.Match) -> str:
+        image, text, target = match.groups()
+        target = re.sub(r"^https://.*?/(?:blob|raw)/v\d[^/]*/", posixpath.relpath(".", folder) + "/", target)
+        if ":" in target or target.startswith("#") or target in READMES[folder]:
+            return f"{image}[{text}]({target})"
+        path = posixpath.normpath(posixpath.join(folder, target))
+        return f"{image}[{text}]({page}/{'raw' if image else 'blob'}/v{__version__}/{path})"
+
+    return re.sub(r"(!?)\[([^\]]*)\]\(([^)\s]+)\)", absolute, _text(f"{folder}/README.md"))
 
 
 def _text(name: str) -> str:

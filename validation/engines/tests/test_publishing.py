@@ -3,18 +3,24 @@
 import json
 import re
 import shlex
+import shutil
 import subprocess
 import sys
+import tarfile
 import tomllib
 import zipfile
 
 import pytest
+from support import needed
+from support_inputs import of_sample
 
 from bokeh_validation import __version__, paths
 from bokeh_validation.errors import UserError
 from bokeh_validation.generate import manifests
+from engines import cargo, pages
 
-INTEGRATION = paths.ROOT / "integration"
+ROOT = paths.ROOT
+INTEGRATION = ROOT / "integration"
 PAGE = (paths.ROOT / "docs/publishing.md").read_text(encoding="utf-8")
 
 
@@ -89,6 +95,33 @@ def test_reshade_archive(tmp_path):
     included = set(re.findall(r'^#include "(.*)"$', effect, re.MULTILINE)) - {"ReShade.fxh"}
     assert names == {"LICENSE", "Shaders/PolygonalBokeh.fx", *(f"Shaders/{name}" for name in included)}
     assert len(included) == 2
+
+
+@of_sample("wgpu", of_code=True)
+@pytest.mark.parametrize("name", ["wgpu", "bevy"])
+def test_crate_archive(name, tmp_path):
+    """Check that a crate's archive has its sources, its licence and what its README shows, and no template."""
+    ignored = shutil.ignore_patterns("target", "Cargo.lock")
+    crate = shutil.copytree(INTEGRATION / name, tmp_path / name, ignore=ignored)
+    with needed(name):
+        listed = set(cargo.build(name, crate, "--list", "--allow-dirty", "--offline", command="package").split())
+    files = {path.relative_to(crate).as_posix() for path in crate.rglob("*") if path.is_file()}
+    assert {"Cargo.toml", "LICENSE", "README.md", "picture.png", "src/lib.rs", "src/bokeh.wgsl"} <= listed
+    # Cargo adds the manifest as it was, the lock file and the commit; .gitignore is only there in a git checkout
+    added = {"Cargo.toml.orig", "Cargo.lock", ".cargo_vcs_info.json", ".gitignore"}
+    assert listed - added == {file for file in files if not file.endswith(".jinja")} - added
+
+
+def test_unity_archive(tmp_path):
+    """Check that the archive for Unity has every file of the package's folder, the sample and .meta files included."""
+    with needed("npm"):
+        pages.call_npm(tmp_path, "pack", INTEGRATION / "unity")
+    (archive,) = tmp_path.glob(f"com.polygonal-bokeh.urp-{__version__}.tgz")
+    with tarfile.open(archive) as packed:
+        names = {member.name.removeprefix("package/") for member in packed.getmembers() if member.isfile()}
+    folder = INTEGRATION / "unity"
+    assert names == {path.relative_to(folder).as_posix() for path in folder.rglob("*") if path.is_file()}
+    assert any(name.startswith("Samples~/") for name in names)
 
 
 def parsed(name: str, text: str) -> dict:
@@ -177,7 +210,9 @@ ADDRESS = "https://example.com/owner/polygonal-bokeh"
 
 
 def test_repository(monkeypatch, tmp_path):
-    """Check that the option writes the addresses to every manifest, replacing the addresses of an earlier call."""
+    """Check that the option writes the addresses to every manifest, and absolute links to every README that a store
+    shows, replacing the addresses of an earlier call.
+    """
     for given in (f"{ADDRESS}-before/", f"{ADDRESS}.git"):
         texts = manifests.with_repository(given)
         for name, text in texts.items():
@@ -185,6 +220,15 @@ def test_repository(monkeypatch, tmp_path):
             (tmp_path / name).write_text(text, encoding="utf-8")
         monkeypatch.setattr(manifests.paths, "ROOT", tmp_path)
     assert f"repository-code: {ADDRESS}\n" in texts.pop("CITATION.cff")
+    for folder, packed in manifests.READMES.items():
+        links = re.findall(r"\]\(([^)\s]+)\)", texts.pop(f"{folder}/README.md"))
+        away = [link for link in links if link not in packed and not link.startswith("#")]
+        assert away, folder
+        for link in away:
+            address, _, name = link.partition(f"/v{__version__}/")
+            assert address in (f"{ADDRESS}/blob", f"{ADDRESS}/raw"), link
+            assert (ROOT / name.partition("#")[0]).is_file(), link
+            assert (address.endswith("raw")) == name.endswith(".png"), link
     assert set(texts) == {f"integration/{name}" for name, (_, addresses) in STORES.items() if addresses}
     for name, text in texts.items():
         fields, addresses = STORES[name.removeprefix("integration/")]
