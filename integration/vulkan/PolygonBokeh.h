@@ -107,7 +107,7 @@ struct PolygonBokeh : BokehDevice {
 
     // docs/reference/parameters.md. Change them at any time: record() copies them.
     BokehParameters parameters = {
-        .ApertureDiameter = 0.05f, .FocalLength = 0.05f, .FocusDistance = 5.0f, .SensorHeight = 0.024f,
+        .ApertureDiameter = 0.179f, .FocalLength = 0.05f, .FocusDistance = 5.0f, .SensorHeight = 0.024f,
         .MaxCoC = 0.1f, .BleedingBias = 0.02f, .BleedingMult = 30.0f, .Squeeze = 1.0f,
         .DepthKind = 1.0f, .Near = 0.1f, .Far = 1000.0f}; // 1: 0 at the near plane, 1 at the far plane
 

@@ -69,8 +69,9 @@ def out_of_date() -> dict[str, str]:
     texts[f"{PANDA3D}/shaders.py"] = python_shaders()
     texts[results.CSV] = results.as_csv()
     texts |= {f"integration/{crate}/src/bokeh.wgsl": rust_shaders() for crate in ("bevy", "wgpu")}
+    camera = methods.Camera(PARAMETERS["BokehApertureDiameter"])
     for method, aperture in PLANNED:
-        planned = plan.frame(methods.Settings(method, aperture), PAGE_SIZE)
+        planned = plan.frame(methods.Settings(method, aperture, camera=camera), PAGE_SIZE)
         head = {"generated": f"by validation/run generate from {FRAME}"}
         texts[f"integration/frames/{method}-{aperture}.json"] = plan.text(head | planned)
     for path, regions in rendered():

@@ -18,8 +18,9 @@ class Parameter(NamedTuple):
 
 # Parameter i is register c(i) of shader model 3 and byte offset 4 i of the block.
 BLOCK = {
+    # f/2.8 with a bokeh scale of 10, as in every package
     "BokehApertureDiameter": Parameter(
-        0.05, "m", "diameter of the aperture: bokeh scale * focal length / f-stop ([lens.md](../lens.md))"
+        0.05 / 2.8 * 10.0, "m", "diameter of the aperture: bokeh scale * focal length / f-stop ([lens.md](../lens.md))"
     ),
     "BokehFocalLength": Parameter(0.05, "m", "focal length of the lens"),
     "BokehFocusDistance": Parameter(

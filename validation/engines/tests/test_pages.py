@@ -31,8 +31,9 @@ def sample(request):
 def test_what_the_guide_says(sample):
     """Check interaction, depth and debug views.
 
-    Interaction comes first, while the page is as the sample made it: a click focuses, a drag does not, a key shows the circle of confusion. Depth: the passes read the distance of the surface that a ray hits, or the far
-    plane if it hits nothing, with every camera and buffer. Debug views follow BOKEH_DEBUG; alpha is the signed CoC.
+    Interaction comes first, while the page is as the sample made it: a click focuses, a drag does not, a key shows the
+    circle of confusion. Depth: the passes read the distance of the surface that a ray hits, or the far plane if it hits
+    nothing, with every camera and buffer. Debug views follow BOKEH_DEBUG; alpha is the signed CoC.
     """
     (name, page), kind = sample, sample[0].partition("-")[2]
     answer = page.call("interaction", kind)
