@@ -46,9 +46,9 @@
 //
 //   name                    default    range   meaning
 //   BOKEH_LAYER_RINGS       2          0 .. 4  rings of the small gather at full size. It takes one
-//                                              more where no layer is in reach (with CUBIC 0, also
-//                                              where a layer's CoC is small), and where it reaches
-//                                              far
+//                                              more where the far layer is not in reach (with CUBIC
+//                                              0: where the CoC of both layers is small), and where
+//                                              it reaches far
 //   BOKEH_LAYER_SAMPLES     11         2 ..    maximum number of samples on an edge of a layer's
 //                                              hexagon; a square has twice as many, a short edge
 //                                              fewer
@@ -124,11 +124,14 @@ const BOKEH_TUNED_SQUARE_SIDE: f32 = 0.2;
 
 // The gather has one more ring where its rings would be wider than this, pixels. With a higher
 // value, a thin bright line shows as a row of copies; a lower one costs fetches.
-const BOKEH_TUNED_RING_WIDTH: f32 = 3.0;
+const BOKEH_TUNED_RING_WIDTH: f32 = 2.25;
 
 // A gather of a single ring reaches at most this far, pixels. With a higher value, an edge shows as
 // a row of copies; with a lower one, blurs that are in no layer get too small.
 const BOKEH_TUNED_SINGLE_RADIUS: f32 = 6.0;
+
+// Replaces RING_WIDTH for a gather of at most one ring. With a lower value, small blurs get rougher.
+const BOKEH_TUNED_SINGLE_RING_WIDTH: f32 = 3.0;
 
 // Samples of the gather lie at POSITION - rings * STEP of the width of their ring: half-way with
 // two rings. With more rings they lie farther in, or the rotated first ring would get too much
@@ -1452,26 +1455,36 @@ fn BokehComposite(MapSamp: texture_2d<f32>, GatherTilesSamp: texture_2d<f32>,
         // one number for both layers: the near one starts at a smaller CoC than the far one
         let layerReach: f32 = max(tile.g, tile.r + (BOKEH_TUNED_FAR_START -
             BOKEH_TUNED_NEAR_START));
-        // no layer here: spend its fetches on one more ring; without CUBIC, do so also where layers
-        // are small
         var denseRings: f32 = f32(BOKEH_LAYER_RINGS);
-        if (layerReach <= 14.0 - 4.0 * f32(BOKEH_LAYER_CUBIC))
+        // Where the far layer is not in reach, one more ring takes its fetches; a pixel of the near
+        // layer does not need that ring. Without CUBIC a layer takes a single fetch, so the ring is
+        // added only where both layers are small.
+        var hasFreeFetches: bool = layerReach <= 14.0;
+        if (BOKEH_LAYER_CUBIC > 0)
+        {
+            hasFreeFetches = tile.g <= BOKEH_TUNED_FAR_START && nearWeight <= 0.0;
+        }
+        if (hasFreeFetches)
         {
             denseRings += 1.0;
+        }
+        var ringWidth: f32 = BOKEH_TUNED_RING_WIDTH;
+        if (BOKEH_LAYER_RINGS < 2)
+        {
+            ringWidth = BOKEH_TUNED_SINGLE_RING_WIDTH;
         }
         // Outlines of what is in focus are changed where the far layer is, and where the gather has
         // no additional ring, so that the two together take no more fetches than that ring.
         var outline: f32 = clamp(2.0 - abs(s), 0.0, 1.0) * clamp(layerReach - 14.0 + 4.0 *
-            f32(BOKEH_LAYER_CUBIC), 0.0, 1.0) * clamp(max(2.0 * BOKEH_TUNED_RING_WIDTH *
-            denseRings, 1.0) - 2.0 * radius, 0.0, 1.0);
+            f32(BOKEH_LAYER_CUBIC), 0.0, 1.0) * clamp(max(2.0 * ringWidth * denseRings, 1.0) -
+            2.0 * radius, 0.0, 1.0);
         var rings: f32 = denseRings;
         if (max(nearWeight, farWeight * tile.r * f32(BOKEH_LAYER_RINGS - 1)) <= 0.0)
         {
             // A gather that reaches far has one more ring, of few samples: with wider gaps between
             // the rings, a thin bright line would show as a row of copies. In a layer the gather
             // shows less; there, only a preset with a single ring has one more.
-            rings = max(rings, min(radius / BOKEH_TUNED_RING_WIDTH,
-                f32(BOKEH_LAYER_RINGS) + 1.0));
+            rings = max(rings, min(radius / ringWidth, f32(BOKEH_LAYER_RINGS) + 1.0));
         }
         // rings closer than a pixel find nothing new; .499: the last ends at the radius
         ringLayout.spacing = max(min(radius / 1.499, 1.0), radius / (rings + 0.499));
@@ -1543,7 +1556,13 @@ fn BokehComposite(MapSamp: texture_2d<f32>, GatherTilesSamp: texture_2d<f32>,
         }
 
         var farLayer: vec4f = vec4f(0.0, 0.0, 0.0, 0.0);
-        if (layerReach > BOKEH_TUNED_FAR_START)
+        // both layers at once where the near one has not been read yet: they share the arithmetic
+        var farReach: f32 = tile.g;
+        if (BOKEH_SIDES == 0)
+        {
+            farReach = layerReach;
+        }
+        if (farReach > BOKEH_TUNED_FAR_START)
         {
             if (BOKEH_SIDES == 0)
             {

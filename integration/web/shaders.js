@@ -1243,12 +1243,18 @@ ringLayout.radius=radius;
 ringLayout.narrowing=clamp(radius/max(restRadius,1.)-1.,0.,1.);
 float layerReach=max(tile.g,tile.r+(10. -6.));
 float denseRings=float(BOKEH_LAYER_RINGS);
-if(layerReach<=14.-4.*float(BOKEH_LAYER_CUBIC)){
+bool hasFreeFetches=layerReach<=14.;
+if(BOKEH_LAYER_CUBIC>0){
+hasFreeFetches=tile.g<=10.&&nearWeight<=0.;}
+if(hasFreeFetches){
 denseRings+=1.;}
-float outline=clamp(2.-abs(s),0.,1.)*clamp(layerReach-14.+4.*float(BOKEH_LAYER_CUBIC),0.,1.)*clamp(max(2.*3.*denseRings,1.)-2.*radius,0.,1.);
+float ringWidth=2.25;
+if(BOKEH_LAYER_RINGS<2){
+ringWidth=3.;}
+float outline=clamp(2.-abs(s),0.,1.)*clamp(layerReach-14.+4.*float(BOKEH_LAYER_CUBIC),0.,1.)*clamp(max(2.*ringWidth*denseRings,1.) -2.*radius,0.,1.);
 float rings=denseRings;
 if(max(nearWeight,farWeight*tile.r*float(BOKEH_LAYER_RINGS-1))<=0.){
-rings=max(rings,min(radius/3.,float(BOKEH_LAYER_RINGS)+1.));}
+rings=max(rings,min(radius/ringWidth,float(BOKEH_LAYER_RINGS)+1.));}
 ringLayout.spacing=max(min(radius/1.499,1.),radius/(rings+.499));
 gather.inner=BokehRingBorder(0,ringLayout);
 if(radius<.5){
@@ -1281,7 +1287,10 @@ density=1;}
 float outer=min(BokehRingBorder(ring,ringLayout),radius);
 gather=BokehGatherRing(gather,MapSamp,ring,BokehSamplesPerEdge(density,polygon),outer,polygon,layers);}}
 vec4 farLayer=vec4(0.);
-if(layerReach>10.){
+float farReach=tile.g;
+if(BOKEH_SIDES==0){
+farReach=layerReach;}
+if(farReach>10.){
 if(BOKEH_SIDES==0){
 nearLayer=BokehFetchLayer(NearSamp,center/float(BOKEH_LAYER_SCALE),grid);}
 farLayer=BokehFetchLayer(FarSamp,center/float(BOKEH_LAYER_SCALE),grid);}
@@ -2454,12 +2463,18 @@ ringLayout.radius=radius;
 ringLayout.narrowing=clamp(radius/max(restRadius,1.)-1.,0.,1.);
 let layerReach=max(tile.g,tile.r+(10. -6.));
 var denseRings=f32(BOKEH_LAYER_RINGS);
-if(layerReach<=14.-4.*f32(BOKEH_LAYER_CUBIC)){
+var hasFreeFetches=layerReach<=14.;
+if(BOKEH_LAYER_CUBIC>0){
+hasFreeFetches=tile.g<=10.&&nearWeight<=0.;}
+if(hasFreeFetches){
 denseRings+=1.;}
-var outline=clamp(2.-abs(s),0.,1.)*clamp(layerReach-14.+4.*f32(BOKEH_LAYER_CUBIC),0.,1.)*clamp(max(2.*3.*denseRings,1.)-2.*radius,0.,1.);
+var ringWidth=2.25;
+if(BOKEH_LAYER_RINGS<2){
+ringWidth=3.;}
+var outline=clamp(2.-abs(s),0.,1.)*clamp(layerReach-14.+4.*f32(BOKEH_LAYER_CUBIC),0.,1.)*clamp(max(2.*ringWidth*denseRings,1.) -2.*radius,0.,1.);
 var rings=denseRings;
 if(max(nearWeight,farWeight*tile.r*f32(BOKEH_LAYER_RINGS-1))<=0.){
-rings=max(rings,min(radius/3.,f32(BOKEH_LAYER_RINGS)+1.));}
+rings=max(rings,min(radius/ringWidth,f32(BOKEH_LAYER_RINGS)+1.));}
 ringLayout.spacing=max(min(radius/1.499,1.),radius/(rings+.499));
 gather.inner=BokehRingBorder(0,ringLayout);
 if(radius<.5){
@@ -2492,7 +2507,10 @@ density=1;}
 let outer=min(BokehRingBorder(ring,ringLayout),radius);
 gather=BokehGatherRing(gather,MapSamp,ring,BokehSamplesPerEdge(density,polygon),outer,polygon,layers,BokehLinearClamp);}}
 var farLayer=vec4f(0.);
-if(layerReach>10.){
+var farReach=tile.g;
+if(BOKEH_SIDES==0){
+farReach=layerReach;}
+if(farReach>10.){
 if(BOKEH_SIDES==0){
 nearLayer=BokehFetchLayer(NearSamp,center/f32(BOKEH_LAYER_SCALE),grid,BokehLinearClamp);}
 farLayer=BokehFetchLayer(FarSamp,center/f32(BOKEH_LAYER_SCALE),grid,BokehLinearClamp);}

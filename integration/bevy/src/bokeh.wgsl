@@ -810,8 +810,9 @@ const BOKEH_TUNED_NEAR_QUARTER: f32 = 1.5;
 const BOKEH_TUNED_FAR_QUARTER: f32 = 1.15;
 const BOKEH_TUNED_HEXAGON_SIDE: f32 = 0.4;
 const BOKEH_TUNED_SQUARE_SIDE: f32 = 0.2;
-const BOKEH_TUNED_RING_WIDTH: f32 = 3.0;
+const BOKEH_TUNED_RING_WIDTH: f32 = 2.25;
 const BOKEH_TUNED_SINGLE_RADIUS: f32 = 6.0;
+const BOKEH_TUNED_SINGLE_RING_WIDTH: f32 = 3.0;
 const BOKEH_TUNED_RING_POSITION: f32 = 0.58;
 const BOKEH_TUNED_RING_STEP: f32 = 0.04;
 const BOKEH_TUNED_PIXEL_BLUR: f32 = 0.6;
@@ -1782,18 +1783,27 @@ ringLayout.narrowing = clamp(radius / max(restRadius, 1.0) - 1.0, 0.0, 1.0);
 let layerReach: f32 = max(tile.g, tile.r + (BOKEH_TUNED_FAR_START -
 BOKEH_TUNED_NEAR_START));
 var denseRings: f32 = f32(BOKEH_LAYER_RINGS);
-if (layerReach <= 14.0 - 4.0 * f32(BOKEH_LAYER_CUBIC))
+var hasFreeFetches: bool = layerReach <= 14.0;
+if (BOKEH_LAYER_CUBIC > 0)
+{
+hasFreeFetches = tile.g <= BOKEH_TUNED_FAR_START && nearWeight <= 0.0;
+}
+if (hasFreeFetches)
 {
 denseRings += 1.0;
 }
+var ringWidth: f32 = BOKEH_TUNED_RING_WIDTH;
+if (BOKEH_LAYER_RINGS < 2)
+{
+ringWidth = BOKEH_TUNED_SINGLE_RING_WIDTH;
+}
 var outline: f32 = clamp(2.0 - abs(s), 0.0, 1.0) * clamp(layerReach - 14.0 + 4.0 *
-f32(BOKEH_LAYER_CUBIC), 0.0, 1.0) * clamp(max(2.0 * BOKEH_TUNED_RING_WIDTH *
-denseRings, 1.0) - 2.0 * radius, 0.0, 1.0);
+f32(BOKEH_LAYER_CUBIC), 0.0, 1.0) * clamp(max(2.0 * ringWidth * denseRings, 1.0) -
+2.0 * radius, 0.0, 1.0);
 var rings: f32 = denseRings;
 if (max(nearWeight, farWeight * tile.r * f32(BOKEH_LAYER_RINGS - 1)) <= 0.0)
 {
-rings = max(rings, min(radius / BOKEH_TUNED_RING_WIDTH,
-f32(BOKEH_LAYER_RINGS) + 1.0));
+rings = max(rings, min(radius / ringWidth, f32(BOKEH_LAYER_RINGS) + 1.0));
 }
 ringLayout.spacing = max(min(radius / 1.499, 1.0), radius / (rings + 0.499));
 gather.inner = BokehRingBorder(0, ringLayout);
@@ -1853,7 +1863,12 @@ polygon), outer, polygon, layers, BokehLinearClamp);
 }
 }
 var farLayer: vec4f = vec4f(0.0, 0.0, 0.0, 0.0);
-if (layerReach > BOKEH_TUNED_FAR_START)
+var farReach: f32 = tile.g;
+if (BOKEH_SIDES == 0)
+{
+farReach = layerReach;
+}
+if (farReach > BOKEH_TUNED_FAR_START)
 {
 if (BOKEH_SIDES == 0)
 {

@@ -925,8 +925,9 @@ return BokehResolve(color, totalWeight, centerPixel, blurCoC);
 #define BOKEH_TUNED_FAR_QUARTER 1.15
 #define BOKEH_TUNED_HEXAGON_SIDE 0.4
 #define BOKEH_TUNED_SQUARE_SIDE 0.2
-#define BOKEH_TUNED_RING_WIDTH 3.0
+#define BOKEH_TUNED_RING_WIDTH 2.25
 #define BOKEH_TUNED_SINGLE_RADIUS 6.0
+#define BOKEH_TUNED_SINGLE_RING_WIDTH 3.0
 #define BOKEH_TUNED_RING_POSITION 0.58
 #define BOKEH_TUNED_RING_STEP 0.04
 #define BOKEH_TUNED_PIXEL_BLUR 0.6
@@ -1848,18 +1849,27 @@ ringLayout.narrowing = clamp(radius / max(restRadius, 1.0) - 1.0, 0.0, 1.0);
 float layerReach = max(tile.g, tile.r + (BOKEH_TUNED_FAR_START -
 BOKEH_TUNED_NEAR_START));
 float denseRings = float(BOKEH_LAYER_RINGS);
-if (layerReach <= 14.0 - 4.0 * float(BOKEH_LAYER_CUBIC))
+bool hasFreeFetches = layerReach <= 14.0;
+if (BOKEH_LAYER_CUBIC > 0)
+{
+hasFreeFetches = tile.g <= BOKEH_TUNED_FAR_START && nearWeight <= 0.0;
+}
+if (hasFreeFetches)
 {
 denseRings += 1.0;
 }
+float ringWidth = BOKEH_TUNED_RING_WIDTH;
+if (BOKEH_LAYER_RINGS < 2)
+{
+ringWidth = BOKEH_TUNED_SINGLE_RING_WIDTH;
+}
 float outline = clamp(2.0 - abs(s), 0.0, 1.0) * clamp(layerReach - 14.0 + 4.0 *
-float(BOKEH_LAYER_CUBIC), 0.0, 1.0) * clamp(max(2.0 * BOKEH_TUNED_RING_WIDTH *
-denseRings, 1.0) - 2.0 * radius, 0.0, 1.0);
+float(BOKEH_LAYER_CUBIC), 0.0, 1.0) * clamp(max(2.0 * ringWidth * denseRings, 1.0) -
+2.0 * radius, 0.0, 1.0);
 float rings = denseRings;
 if (max(nearWeight, farWeight * tile.r * float(BOKEH_LAYER_RINGS - 1)) <= 0.0)
 {
-rings = max(rings, min(radius / BOKEH_TUNED_RING_WIDTH,
-float(BOKEH_LAYER_RINGS) + 1.0));
+rings = max(rings, min(radius / ringWidth, float(BOKEH_LAYER_RINGS) + 1.0));
 }
 ringLayout.spacing = max(min(radius / 1.499, 1.0), radius / (rings + 0.499));
 gather.inner = BokehRingBorder(0, ringLayout);
@@ -1919,7 +1929,12 @@ polygon), outer, polygon, layers);
 }
 }
 vec4 farLayer = vec4(0.0, 0.0, 0.0, 0.0);
-if (layerReach > BOKEH_TUNED_FAR_START)
+float farReach = tile.g;
+if (BOKEH_SIDES == 0)
+{
+farReach = layerReach;
+}
+if (farReach > BOKEH_TUNED_FAR_START)
 {
 if (BOKEH_SIDES == 0)
 {

@@ -28,10 +28,10 @@ LINES = {
     (-9, "medium"): (3, 0.99),
     (4, "high"): (1, 1.00),
     (6, "high"): (3, 1.00),
-    (9, "high"): (5, 0.97),
-    (12, "high"): (4, 0.97),
+    (9, "high"): (5, 1.01),
+    (12, "high"): (4, 0.90),
     (-6, "high"): (3, 1.00),
-    (-9, "high"): (5, 0.97),
+    (-9, "high"): (5, 1.00),
 }
 SLIT, BEHIND = 2, 20
 # CoC of the near objects in pixels, and preset -> light through the slit, and its largest brightness, as fractions of
