@@ -173,3 +173,27 @@ def test_unity_takes_degrees():
     text = (paths.ROOT / "integration/unity/Runtime/BokehRendererFeature.cs").read_text(encoding="utf-8")
     assert "float fovy = Mathf.Deg2Rad * camera.fieldOfView;" in text
     assert "values.sensorHeight = 0.001f * volume.sensorHeight.value;" in text
+
+
+# Source of an engine that is not run here -> the angle that the shaders get, and whether v grows downwards in it; the
+# rotations of all other samples are drawn (test_engines.py)
+ROTATIONS = {
+    "unity/Runtime/BokehRendererFeature.cs": (r"BokehFrames\.Angle, (.*)\);", False),
+    "unreal/BokehDepthOfField/Source/BokehDepthOfField/Private/BokehViewExtension.cpp": (r"BokehAngle = (.*);", True),
+    "reshade/Shaders/PolygonalBokeh.fx": (r"BokehMakePolygon\(6, (.*), Squeeze\)", True),
+}
+ANGLES = {
+    r"step\.Angle|Step\.Own\.Angle": "30.0",
+    r"values\.rotation|SettingRotation\.GetValueOnRenderThread\(\)|\bRotation\b": "rotation",
+    r"Mathf\.Deg2Rad \*|FMath::DegreesToRadians": "radians",
+}
+
+
+@pytest.mark.parametrize("source", ROTATIONS)
+def test_rotation(source):
+    """Check that the setting adds to the angle from +u to +v where v grows downwards, and is subtracted elsewhere."""
+    pattern, downwards = ROTATIONS[source]
+    for rotation in (0.0, 10.0):
+        own = 0.0 if "reshade" in source else 30.0
+        expected = radians(own + (rotation if downwards else -rotation))
+        assert value(source, pattern, ANGLES, rotation=rotation, radians=radians) == pytest.approx(expected)
