@@ -130,7 +130,8 @@ const BOKEH_TUNED_RING_WIDTH: f32 = 2.25;
 // a row of copies; with a lower one, blurs that are in no layer get too small.
 const BOKEH_TUNED_SINGLE_RADIUS: f32 = 6.0;
 
-// Replaces RING_WIDTH for a gather of at most one ring. With a lower value, small blurs get rougher.
+// Replaces RING_WIDTH for a gather of at most one ring. With a lower value, small blurs get
+// rougher.
 const BOKEH_TUNED_SINGLE_RING_WIDTH: f32 = 3.0;
 
 // Samples of the gather lie at POSITION - rings * STEP of the width of their ring: half-way with

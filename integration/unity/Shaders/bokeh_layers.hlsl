@@ -183,7 +183,8 @@
 // a row of copies; with a lower one, blurs that are in no layer get too small.
 #define BOKEH_TUNED_SINGLE_RADIUS 6.0
 
-// Replaces RING_WIDTH for a gather of at most one ring. With a lower value, small blurs get rougher.
+// Replaces RING_WIDTH for a gather of at most one ring. With a lower value, small blurs get
+// rougher.
 #define BOKEH_TUNED_SINGLE_RING_WIDTH 3.0
 
 // Samples of the gather lie at POSITION - rings * STEP of the width of their ring: half-way with
