@@ -1211,8 +1211,8 @@ float square=max(dot(contrast,contrast),.001*dot(pixel.rgb,pixel.rgb)+.000000000
 float covered=clamp(dot(ownContrast,contrast)/square,0.,1.);
 vec3 other=ownContrast-contrast*covered;
 float isMixed=clamp(2.-8.*dot(other,other)/square,0.,1.)*min(16.*covered,1.);
-isMixed*=min(background.a,1.)*min(object.a,1.);
-return (farColor-behind)*(isMixed*(1.-covered));}
+float open=.25+(.75-covered)*isMixed;
+return (farColor-behind)*(open*min(background.a,1.)*min(object.a,1.));}
 vec4 BokehComposite(BOKEH_TEXTURE MapSamp,BOKEH_TEXTURE GatherTilesSamp,BOKEH_TEXTURE NearSamp,BOKEH_TEXTURE FarSamp,BOKEH_TEXTURE MidFillSamp,BOKEH_TEXTURE FarFillSamp,BokehPolygon polygon,BokehLayerContext layers){
 BokehGrid full=BokehFullGrid(layers);
 vec2 center=floor(layers.uv*full.size)+.5;
@@ -2431,8 +2431,8 @@ let square=max(dot(contrast,contrast),.001*dot(pixel.rgb,pixel.rgb)+.00000000000
 let covered=clamp(dot(ownContrast,contrast)/square,0.,1.);
 let other=ownContrast-contrast*covered;
 var isMixed=clamp(2.-8.*dot(other,other)/square,0.,1.)*min(16.*covered,1.);
-isMixed*=min(background.a,1.)*min(object.a,1.);
-return (farColor-behind)*(isMixed*(1.-covered));}
+let open=.25+(.75-covered)*isMixed;
+return (farColor-behind)*(open*min(background.a,1.)*min(object.a,1.));}
 fn BokehComposite(MapSamp:texture_2d<f32>,GatherTilesSamp:texture_2d<f32>,NearSamp:texture_2d<f32>,FarSamp:texture_2d<f32>,MidFillSamp:texture_2d<f32>,FarFillSamp:texture_2d<f32>,polygon:BokehPolygon,layers:BokehLayerContext,BokehLinearClamp:sampler)->vec4f{
 let full=BokehFullGrid(layers);
 let center=floor(layers.uv*full.size)+.5;

@@ -1738,8 +1738,8 @@ let covered: f32 = clamp(dot(ownContrast, contrast) / square, 0.0, 1.0);
 let other: vec3f = ownContrast - contrast * covered;
 var isMixed: f32 = clamp(2.0 - 8.0 * dot(other, other) / square, 0.0, 1.0) * min(16.0 * covered,
 1.0);
-isMixed *= min(background.a, 1.0) * min(object.a, 1.0);
-return (farColor - behind) * (isMixed * (1.0 - covered));
+let open: f32 = 0.25 + (0.75 - covered) * isMixed;
+return (farColor - behind) * (open * min(background.a, 1.0) * min(object.a, 1.0));
 }
 fn BokehComposite(MapSamp: texture_2d<f32>, GatherTilesSamp: texture_2d<f32>,
 NearSamp: texture_2d<f32>, FarSamp: texture_2d<f32>, MidFillSamp: texture_2d<f32>,

@@ -1807,8 +1807,8 @@ float covered = clamp(dot(ownContrast, contrast) / square, 0.0, 1.0);
 vec3 other = ownContrast - contrast * covered;
 float isMixed = clamp(2.0 - 8.0 * dot(other, other) / square, 0.0, 1.0) * min(16.0 * covered,
 1.0);
-isMixed *= min(background.a, 1.0) * min(object.a, 1.0);
-return (farColor - behind) * (isMixed * (1.0 - covered));
+float open = 0.25 + (0.75 - covered) * isMixed;
+return (farColor - behind) * (open * min(background.a, 1.0) * min(object.a, 1.0));
 }
 vec4 BokehComposite(BOKEH_TEXTURE MapSamp, BOKEH_TEXTURE GatherTilesSamp, BOKEH_TEXTURE NearSamp,
 BOKEH_TEXTURE FarSamp, BOKEH_TEXTURE MidFillSamp, BOKEH_TEXTURE FarFillSamp,
