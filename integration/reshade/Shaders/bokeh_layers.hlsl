@@ -1422,8 +1422,8 @@ float3 BokehOutline(BOKEH_TEXTURE MapSamp, float2 center, float4 pixel, float3 f
     float3 other = ownContrast - contrast * covered;
     float isMixed = clamp(2.0 - 8.0 * dot(other, other) / square, 0.0, 1.0) * min(16.0 * covered,
         1.0);
-    // Such a pixel is taken to be open by a quarter: the mean of all straight edges that leave the
-    // middle of a pixel covered.
+    // Such a pixel is taken to be open by a quarter, which is the mean for an upright or a level
+    // edge that leaves the middle of the pixel covered.
     float open = 0.25 + (0.75 - covered) * isMixed;
     return (farColor - behind) * (open * min(background.a, 1.0) * min(object.a, 1.0));
 }
