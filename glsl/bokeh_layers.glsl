@@ -176,15 +176,11 @@
 
 // The gather has one more ring where its rings would be wider than this, pixels. With a higher
 // value, a thin bright line shows as a row of copies; a lower one costs fetches.
-#define BOKEH_TUNED_RING_WIDTH 2.25
+#define BOKEH_TUNED_RING_WIDTH 3.0
 
 // A gather of a single ring reaches at most this far, pixels. With a higher value, an edge shows as
 // a row of copies; with a lower one, blurs that are in no layer get too small.
 #define BOKEH_TUNED_SINGLE_RADIUS 6.0
-
-// Replaces RING_WIDTH for a gather of at most one ring. With a lower value, small blurs get
-// rougher.
-#define BOKEH_TUNED_SINGLE_RING_WIDTH 3.0
 
 // Samples of the gather lie at POSITION - rings * STEP of the width of their ring: half-way with
 // two rings. With more rings they lie farther in, or the rotated first ring would get too much
@@ -1474,23 +1470,19 @@ vec4 BokehComposite(BOKEH_TEXTURE MapSamp, BOKEH_TEXTURE GatherTilesSamp, BOKEH_
         {
             denseRings += 1.0;
         }
-        float ringWidth = BOKEH_TUNED_RING_WIDTH;
-        if (BOKEH_LAYER_RINGS < 2)
-        {
-            ringWidth = BOKEH_TUNED_SINGLE_RING_WIDTH;
-        }
         // Outlines of what is in focus are changed where the far layer is, and where the gather has
         // no additional ring, so that the two together take no more fetches than that ring.
         float outline = clamp(2.0 - abs(s), 0.0, 1.0) * clamp(layerReach - 14.0 + 4.0 *
-            float(BOKEH_LAYER_CUBIC), 0.0, 1.0) * clamp(max(2.0 * ringWidth * denseRings, 1.0) -
-            2.0 * radius, 0.0, 1.0);
+            float(BOKEH_LAYER_CUBIC), 0.0, 1.0) * clamp(max(2.0 * BOKEH_TUNED_RING_WIDTH *
+            denseRings, 1.0) - 2.0 * radius, 0.0, 1.0);
         float rings = denseRings;
         if (max(nearWeight, farWeight * tile.r * float(BOKEH_LAYER_RINGS - 1)) <= 0.0)
         {
             // A gather that reaches far has one more ring, of few samples: with wider gaps between
             // the rings, a thin bright line would show as a row of copies. In a layer the gather
             // shows less; there, only a preset with a single ring has one more.
-            rings = max(rings, min(radius / ringWidth, float(BOKEH_LAYER_RINGS) + 1.0));
+            rings = max(rings, min(radius / BOKEH_TUNED_RING_WIDTH,
+                float(BOKEH_LAYER_RINGS) + 1.0));
         }
         // rings closer than a pixel find nothing new; .499: the last ends at the radius
         ringLayout.spacing = max(min(radius / 1.499, 1.0), radius / (rings + 0.499));

@@ -1248,13 +1248,10 @@ if(BOKEH_LAYER_CUBIC>0){
 hasFreeFetches=tile.g<=10.&&nearWeight<=0.;}
 if(hasFreeFetches){
 denseRings+=1.;}
-float ringWidth=2.25;
-if(BOKEH_LAYER_RINGS<2){
-ringWidth=3.;}
-float outline=clamp(2.-abs(s),0.,1.)*clamp(layerReach-14.+4.*float(BOKEH_LAYER_CUBIC),0.,1.)*clamp(max(2.*ringWidth*denseRings,1.) -2.*radius,0.,1.);
+float outline=clamp(2.-abs(s),0.,1.)*clamp(layerReach-14.+4.*float(BOKEH_LAYER_CUBIC),0.,1.)*clamp(max(2.*3.*denseRings,1.)-2.*radius,0.,1.);
 float rings=denseRings;
 if(max(nearWeight,farWeight*tile.r*float(BOKEH_LAYER_RINGS-1))<=0.){
-rings=max(rings,min(radius/ringWidth,float(BOKEH_LAYER_RINGS)+1.));}
+rings=max(rings,min(radius/3.,float(BOKEH_LAYER_RINGS)+1.));}
 ringLayout.spacing=max(min(radius/1.499,1.),radius/(rings+.499));
 gather.inner=BokehRingBorder(0,ringLayout);
 if(radius<.5){
@@ -2468,13 +2465,10 @@ if(BOKEH_LAYER_CUBIC>0){
 hasFreeFetches=tile.g<=10.&&nearWeight<=0.;}
 if(hasFreeFetches){
 denseRings+=1.;}
-var ringWidth=2.25;
-if(BOKEH_LAYER_RINGS<2){
-ringWidth=3.;}
-var outline=clamp(2.-abs(s),0.,1.)*clamp(layerReach-14.+4.*f32(BOKEH_LAYER_CUBIC),0.,1.)*clamp(max(2.*ringWidth*denseRings,1.) -2.*radius,0.,1.);
+var outline=clamp(2.-abs(s),0.,1.)*clamp(layerReach-14.+4.*f32(BOKEH_LAYER_CUBIC),0.,1.)*clamp(max(2.*3.*denseRings,1.)-2.*radius,0.,1.);
 var rings=denseRings;
 if(max(nearWeight,farWeight*tile.r*f32(BOKEH_LAYER_RINGS-1))<=0.){
-rings=max(rings,min(radius/ringWidth,f32(BOKEH_LAYER_RINGS)+1.));}
+rings=max(rings,min(radius/3.,f32(BOKEH_LAYER_RINGS)+1.));}
 ringLayout.spacing=max(min(radius/1.499,1.),radius/(rings+.499));
 gather.inner=BokehRingBorder(0,ringLayout);
 if(radius<.5){

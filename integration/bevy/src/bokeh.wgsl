@@ -810,9 +810,8 @@ const BOKEH_TUNED_NEAR_QUARTER: f32 = 1.5;
 const BOKEH_TUNED_FAR_QUARTER: f32 = 1.15;
 const BOKEH_TUNED_HEXAGON_SIDE: f32 = 0.4;
 const BOKEH_TUNED_SQUARE_SIDE: f32 = 0.2;
-const BOKEH_TUNED_RING_WIDTH: f32 = 2.25;
+const BOKEH_TUNED_RING_WIDTH: f32 = 3.0;
 const BOKEH_TUNED_SINGLE_RADIUS: f32 = 6.0;
-const BOKEH_TUNED_SINGLE_RING_WIDTH: f32 = 3.0;
 const BOKEH_TUNED_RING_POSITION: f32 = 0.58;
 const BOKEH_TUNED_RING_STEP: f32 = 0.04;
 const BOKEH_TUNED_PIXEL_BLUR: f32 = 0.6;
@@ -1792,18 +1791,14 @@ if (hasFreeFetches)
 {
 denseRings += 1.0;
 }
-var ringWidth: f32 = BOKEH_TUNED_RING_WIDTH;
-if (BOKEH_LAYER_RINGS < 2)
-{
-ringWidth = BOKEH_TUNED_SINGLE_RING_WIDTH;
-}
 var outline: f32 = clamp(2.0 - abs(s), 0.0, 1.0) * clamp(layerReach - 14.0 + 4.0 *
-f32(BOKEH_LAYER_CUBIC), 0.0, 1.0) * clamp(max(2.0 * ringWidth * denseRings, 1.0) -
-2.0 * radius, 0.0, 1.0);
+f32(BOKEH_LAYER_CUBIC), 0.0, 1.0) * clamp(max(2.0 * BOKEH_TUNED_RING_WIDTH *
+denseRings, 1.0) - 2.0 * radius, 0.0, 1.0);
 var rings: f32 = denseRings;
 if (max(nearWeight, farWeight * tile.r * f32(BOKEH_LAYER_RINGS - 1)) <= 0.0)
 {
-rings = max(rings, min(radius / ringWidth, f32(BOKEH_LAYER_RINGS) + 1.0));
+rings = max(rings, min(radius / BOKEH_TUNED_RING_WIDTH,
+f32(BOKEH_LAYER_RINGS) + 1.0));
 }
 ringLayout.spacing = max(min(radius / 1.499, 1.0), radius / (rings + 0.499));
 gather.inner = BokehRingBorder(0, ringLayout);

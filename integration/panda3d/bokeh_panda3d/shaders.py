@@ -925,9 +925,8 @@ return BokehResolve(color, totalWeight, centerPixel, blurCoC);
 #define BOKEH_TUNED_FAR_QUARTER 1.15
 #define BOKEH_TUNED_HEXAGON_SIDE 0.4
 #define BOKEH_TUNED_SQUARE_SIDE 0.2
-#define BOKEH_TUNED_RING_WIDTH 2.25
+#define BOKEH_TUNED_RING_WIDTH 3.0
 #define BOKEH_TUNED_SINGLE_RADIUS 6.0
-#define BOKEH_TUNED_SINGLE_RING_WIDTH 3.0
 #define BOKEH_TUNED_RING_POSITION 0.58
 #define BOKEH_TUNED_RING_STEP 0.04
 #define BOKEH_TUNED_PIXEL_BLUR 0.6
@@ -1858,18 +1857,14 @@ if (hasFreeFetches)
 {
 denseRings += 1.0;
 }
-float ringWidth = BOKEH_TUNED_RING_WIDTH;
-if (BOKEH_LAYER_RINGS < 2)
-{
-ringWidth = BOKEH_TUNED_SINGLE_RING_WIDTH;
-}
 float outline = clamp(2.0 - abs(s), 0.0, 1.0) * clamp(layerReach - 14.0 + 4.0 *
-float(BOKEH_LAYER_CUBIC), 0.0, 1.0) * clamp(max(2.0 * ringWidth * denseRings, 1.0) -
-2.0 * radius, 0.0, 1.0);
+float(BOKEH_LAYER_CUBIC), 0.0, 1.0) * clamp(max(2.0 * BOKEH_TUNED_RING_WIDTH *
+denseRings, 1.0) - 2.0 * radius, 0.0, 1.0);
 float rings = denseRings;
 if (max(nearWeight, farWeight * tile.r * float(BOKEH_LAYER_RINGS - 1)) <= 0.0)
 {
-rings = max(rings, min(radius / ringWidth, float(BOKEH_LAYER_RINGS) + 1.0));
+rings = max(rings, min(radius / BOKEH_TUNED_RING_WIDTH,
+float(BOKEH_LAYER_RINGS) + 1.0));
 }
 ringLayout.spacing = max(min(radius / 1.499, 1.0), radius / (rings + 0.499));
 gather.inner = BokehRingBorder(0, ringLayout);
