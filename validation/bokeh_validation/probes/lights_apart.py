@@ -40,8 +40,8 @@ class Apart:
     def label(self) -> str:
         """Return the name for reports."""
         plane = "a checker" if self.textured else "a plane"
-        rim = " with a rim" if self.rim else ""
-        return f"{self.pixels} px{rim} of CoC {self.coc:g} on {plane} of {self.background:g}"
+        rim = ", with a rim," if self.rim else ""
+        return f"{self.pixels} px of CoC {self.coc:g}{rim} on {plane} of {self.background:g}"
 
     def case(self, chosen: methods.Settings) -> Case:
         """Return the case: a blue light on a plane of red, green and a little blue."""
@@ -128,10 +128,10 @@ RECORDED = {
     "4 px of CoC -31 on a plane of 40": ((0.41, 0.30, 0.75), (0.92, 0.19, 1.03), (0.94, 0.02, 1.00)),
     "4 px of CoC -60 on a plane of 40": ((0.39, 0.29, 0.70), (0.33, 0.15, 1.01), (0.94, 0.06, 1.00)),
     "4 px of CoC 27 on a plane of -40": ((0.30, 0.30, 0.74), (0.36, 1.03, 0.80), (0.78, 0.06, 0.33)),
-    "4 px with a rim of CoC -24 on a plane of 40": ((0.27, 0.15, 0.76), (0.85, 0.21, 0.96), (0.91, 0.02, 1.00)),
-    "6 px with a rim of CoC -40 on a plane of 40": ((0.81, 0.08, 0.75), (0.86, 0.21, 1.00), (0.97, 0.01, 1.00)),
-    "8 px with a rim of CoC -60 on a plane of 40": ((0.48, 0.14, 0.66), (0.38, 0.15, 0.95), (0.97, 0.02, 1.00)),
-    "8 px with a rim of CoC -80 on a plane of 40": ((0.25, 0.24, 0.61), (0.21, 0.17, 0.93), (0.94, 0.02, 1.00)),
+    "4 px of CoC -24, with a rim, on a plane of 40": ((0.27, 0.15, 0.76), (0.85, 0.21, 0.96), (0.91, 0.02, 1.00)),
+    "6 px of CoC -40, with a rim, on a plane of 40": ((0.81, 0.08, 0.75), (0.86, 0.21, 1.00), (0.97, 0.01, 1.00)),
+    "8 px of CoC -60, with a rim, on a plane of 40": ((0.48, 0.14, 0.66), (0.38, 0.15, 0.95), (0.97, 0.02, 1.00)),
+    "8 px of CoC -80, with a rim, on a plane of 40": ((0.25, 0.24, 0.61), (0.21, 0.17, 0.93), (0.94, 0.02, 1.00)),
 }
 # fmt: on
 # Larger than the differences between drivers, small enough to notice a change of a method

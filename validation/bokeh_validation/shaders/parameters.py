@@ -37,16 +37,18 @@ BLOCK = {
     "BokehBleedingBias": Parameter(
         0.02,
         "height",
-        "leakage test of paper, naive and exact (except hexagons): how much larger the CoC of the pixel "
-        "may be than that of the sample; 2 turns the test off",
+        "[leakage test](../methods/exact.md#the-leakage-test) of paper, naive and exact (except hexagons): how much "
+        "larger the CoC of the pixel may be than that of the sample; 2 turns the test off",
     ),
     "BokehBleedingMult": Parameter(
         30.0, "1/height", "weight of a sample that fails the leakage test: the CoC of the sample * this number"
     ),
     "BokehBlurCoC": Parameter(1.0, "", "paper, naive: 1 also blurs the CoC, 0 keeps the CoC of each pixel"),
-    "BokehUseMax": Parameter(0.0, "", "passes that end in Final: combine two lines by 0 the minimum, 1 the maximum"),
+    "BokehUseMax": Parameter(
+        0.0, "", "passes whose names end in Final: how two lines are combined; 0 takes the minimum, 1 the maximum"
+    ),
     "BokehDebugMode": Parameter(
-        0.0, "", "pass Debug: shows 0 colour, 1 depth, 2 the CoC, 3 what is near and what is far"
+        0.0, "", "pass Debug: what it shows; 0 colour, 1 depth, 2 the CoC, 3 what is near and what is far"
     ),
     "BokehLineLength": Parameter(1.0, "CoC", "passes Adaptive and AdaptiveFinal: length of the line"),
     "BokehLineCenterX": Parameter(
@@ -74,7 +76,7 @@ BLOCK = {
     "BokehPassIndex": Parameter(
         0.0, "", "passes Adaptive and AdaptiveFinal: number of the line pass, for the noise; needs `BOKEH_JITTER`"
     ),
-    "BokehAxis": Parameter(0.0, "", "pass TileDilate: searches 0 along rows, 1 along columns"),
+    "BokehAxis": Parameter(0.0, "", "pass TileDilate: direction of the search; 0 along rows, 1 along columns"),
     "BokehLayer": Parameter(0.0, "", "passes of layered that draw a single layer: 0 near, 1 far"),
     "BokehCatsEye": Parameter(
         0.0, "", "fraction of the bokeh that is cut off in the corners, 0 to 0.9; needs `BOKEH_LENS_SHAPE`"
@@ -102,7 +104,10 @@ BLOCK = {
         1.0, "depth", "height of the image in the depth texture; needs `BOKEH_FOCUS_CONTROLS`"
     ),
     "BokehStableBlend": Parameter(
-        0.0, "", "pass StableMap: weight of this frame, 0; or 1 to forget earlier frames, after a cut for example"
+        0.0,
+        "",
+        "pass StableMap: 1 forgets earlier frames (set it in the first frame, after a cut, and when the viewport "
+        "changes); 0 in all other frames",
     ),
 }
 PARAMETERS = {name: parameter.default for name, parameter in BLOCK.items()}

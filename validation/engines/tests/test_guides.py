@@ -186,7 +186,7 @@ def test_pattern(name):
     text = (INTEGRATION / name / "README.md").read_text(encoding="utf-8")
     assert re.findall(r"^#+ (.*)$", FENCE.sub("", text), re.MULTILINE)[1:] == SECTIONS
     settings = text.partition("## Settings")[2].partition("\n## ")[0]
-    table = re.search(r"^\| .*\(unit\) \| (default|sample) \|$", settings, re.MULTILINE)
+    table = re.search(r"^\| .*\(unit\) \| (default|value in the sample) \|$", settings, re.MULTILINE)
     assert table or "README.md#settings" in settings
     assert "never run" in text or "](picture.png)\n\n*" in text
 
