@@ -9,7 +9,7 @@ import pytest
 from support import called, compiled, load
 from support_inputs import inputs
 
-from bokeh_validation import generate, options, paths, shaders
+from bokeh_validation import drivers, generate, options, paths, shaders
 from bokeh_validation import plan as frame
 from bokeh_validation.compilers import dxc, spirv
 from bokeh_validation.errors import UserError
@@ -35,10 +35,11 @@ def picture(size: tuple[int, int]) -> dict[str, np.ndarray]:
     return {"color": color, "depth": blocks.repeat(4, 0).repeat(4, 1)[:high, :wide].copy()}
 
 
-# load() and draw() of docs/own-engine.md, as printed
+# load() and draw() of docs/own-engine.md, as printed; and its lines that choose the preset HIGH
 PAGE = (paths.ROOT / "docs/own-engine.md").read_text(encoding="utf-8")
+ENGINE, CHOOSE_HIGH = re.findall(r"^```python\n(.*?)^```", PAGE, re.MULTILINE | re.DOTALL)
 FRAME: dict = {}
-exec(re.search(r"^```python\n(.*?)^```", PAGE, re.MULTILINE | re.DOTALL)[1], FRAME)
+exec(ENGINE, FRAME)
 
 
 class Renderer:
@@ -81,6 +82,19 @@ def given(context: moderngl.Context, pixels: np.ndarray) -> moderngl.Texture:
     return context.texture(size, channels, pixels.tobytes(), alignment=1, dtype={2: "f2", 4: "f4"}[pixels.itemsize])
 
 
+def drawn(driver: drivers.Driver, planned: dict, inputs: dict[str, np.ndarray], own: dict | None = None) -> np.ndarray:
+    """Return the result (H, W, 4) of the frame `planned`, drawn by the page's code with the parameters `own`."""
+    driver.make_current()
+    gpu = Renderer(driver.context)
+    programs, textures = FRAME["load"](gpu, planned, lambda file: (paths.ROOT / file).read_text("ascii"), *SIZE)
+    # depth is in metres, BokehDepthKind 0
+    tables = {key: np.float32([[(x, y, 0.0, 0.0) for x, y in rows]]) for key, rows in planned["tables"].items()}
+    for key, pixels in {"color": inputs["color"], "depth buffer": inputs["depth"], **tables}.items():
+        textures[key] = given(driver.context, pixels)
+    output = FRAME["draw"](gpu, planned, programs, textures, own or {}).read(alignment=1)
+    return np.frombuffer(output, np.float16).reshape(*SIZE[::-1], 4)
+
+
 @inputs("validation/tests/harness/test_frame.py", "integration/frames", of_code=True)
 @pytest.mark.parametrize("name", SETTINGS)
 def test_an_engine_runs_from_the_json(name):
@@ -93,21 +107,32 @@ def test_an_engine_runs_from_the_json(name):
     plan = methods.in_viewport(plan, window, SIZE) if window else plan
     driver, inputs = load("osmesa"), picture(SIZE)
     expected = driver.run(plan.passes, {**inputs, **plan.tables}, SIZE)["result"]
-    driver.make_current()
-    gpu = Renderer(driver.context)
     # for methods without presets: a define that nothing reads
     planned["preset"] = planned["preset"] or {"define": "BOKEH_PRESET_NONE"}
-    programs, textures = FRAME["load"](gpu, planned, lambda file: (paths.ROOT / file).read_text("ascii"), *SIZE)
-    # depth is in metres, BokehDepthKind 0
-    tables = {key: np.float32([[(x, y, 0.0, 0.0) for x, y in rows]]) for key, rows in planned["tables"].items()}
-    for key, pixels in {"color": inputs["color"], "depth buffer": inputs["depth"], **tables}.items():
-        textures[key] = given(driver.context, pixels)
-    output = FRAME["draw"](gpu, planned, programs, textures, {}).read(alignment=1)
+    output = drawn(driver, planned, inputs)
     x, y, wide, high = window or (0, 0, *SIZE)
     part = (slice(y, y + high), slice(x, x + wide))
-    output = np.frombuffer(output, np.float16).reshape(expected.shape)[part]
-    np.testing.assert_array_equal(output, expected[part])
-    assert np.ptp(output[..., :3].astype(float)) > 0.0
+    np.testing.assert_array_equal(output[part], expected[part])
+    assert np.ptp(output[part][..., :3].astype(float)) > 0.0
+
+
+@inputs("validation/tests/harness/test_frame.py", "integration/frames", of_code=True)
+@pytest.mark.parametrize("preset", ["high", "mobile"])
+@pytest.mark.parametrize("name", ["layered-hexagon", "exact-hexagon"])
+def test_another_preset_from_the_json(name, preset):
+    """Check that a file of integration/frames draws another preset's image by the page's lines, bit-identical to the
+    harness's frame of that preset, and that the image differs from that of the file's own preset.
+    """
+    method, aperture = name.split("-")
+    file = json.loads((paths.ROOT / f"integration/frames/{name}.json").read_text(encoding="utf-8"))
+    other = {"plan": json.loads(json.dumps(file))}
+    exec(CHOOSE_HIGH.replace('"high"', f'"{preset}"'), other)
+    driver, inputs = load("osmesa"), picture(SIZE)
+    settings = methods.Settings(method, aperture, camera=CAMERA, preset=preset)
+    passes, camera = methods.plan(settings, SIZE).passes, frame.frame(settings, SIZE)["parameters"]
+    expected = driver.run(passes, inputs, SIZE)["result"]
+    np.testing.assert_array_equal(drawn(driver, other["plan"], inputs, camera), expected)
+    assert (drawn(driver, file, inputs, camera) != expected).any()
 
 
 def test_dxc_for_vulkan(monkeypatch):
@@ -203,7 +228,7 @@ def test_layouts_made_from_the_wgsl(method, targets):
     A set of bindings with more or fewer entries is an error of the device.
     """
     device = load("wgpu").device
-    for aperture in ("square", "hexagon", "octagon") if method != "paper" else ("hexagon", "octagon"):
+    for aperture in methods.EXACT if method != "paper" else ("hexagon", "octagon"):
         planned = frame.frame(methods.Settings(method, aperture, use_mrt=targets), SIZE)
         program = planned["programs"]["wgsl"]
         text = "".join((paths.ROOT / name).read_text(encoding="ascii") for name in program["files"])
