@@ -9,6 +9,7 @@ import sys
 import tarfile
 import tomllib
 import zipfile
+from datetime import date
 
 import pytest
 from support import needed
@@ -45,6 +46,17 @@ def test_version():
             found[str(path)] = re.search(r"Version (\S+)\.( |$)", path.read_text(encoding="ascii"), re.MULTILINE)[1]
     assert len(found) >= 3 + 2 + 3 * 3
     assert set(found.values()) == {__version__}, found
+
+
+def test_changelog():
+    """Check that the first heading of CHANGELOG.md has this version, and either a date that exists or "not released
+    yet".
+    """
+    changes = (ROOT / "CHANGELOG.md").read_text(encoding="utf-8")
+    version, state = re.search(r"^## (\S+), (.*)$", changes, re.MULTILINE).groups()
+    assert version == __version__
+    if state != "not released yet":
+        assert date.fromisoformat(state).isoformat() == state
 
 
 @pytest.mark.parametrize(

@@ -95,13 +95,22 @@ def test_hlsl(compiler, case):
 @pytest.mark.parametrize("kind", ["texture_multisampled_2d<f32>", "texture_depth_multisampled_2d", "texture_depth_2d"])
 def test_other_depth_buffers(kind):
     """Compile for multisampled depth buffers in each language: BOKEH_DEPTH_MULTISAMPLED 1, in WGSL
-    another alias type.
+    another alias type. The pass must accept the layout that docs/own-engine.md gives for a type of depth.
     """
     entry, values, text = "BokehSignedCoCMap", {"BOKEH_DEPTH_MULTISAMPLED": 1}, shaders.text("wgsl")
     alias = "alias BokehDepthTexture = texture_2d<f32>;"
     assert alias in text
-    # naga raises an exception if the module is wrong
-    load("wgpu").device.create_shader_module(code=text.replace(alias, f"alias BokehDepthTexture = {kind};"))
+    # naga raises an exception if the module is wrong, or does not fit the layout
+    device, text = load("wgpu").device, text.replace(alias, f"alias BokehDepthTexture = {kind};")
+    module = device.create_shader_module(code=text)
+    sample = {"sample_type": "depth" if "depth" in kind else "unfilterable-float", "multisampled": "multi" in kind}
+    bound = ({"buffer": {"type": "uniform"}}, {"texture": {}}, {"texture": sample})
+    entries = [{"binding": index, "visibility": "FRAGMENT", **one} for index, one in enumerate(bound)]
+    device.create_render_pipeline(
+        layout=device.create_pipeline_layout(bind_group_layouts=[device.create_bind_group_layout(entries=entries)]),
+        vertex={"module": module, "entry_point": "BokehFullScreen_VS"},
+        fragment={"module": module, "entry_point": f"{entry}_PS", "targets": [{"format": "rgba16float"}]},
+    )
     results = []
     if kind.endswith("2d<f32>"):
         results.append(compiled(lambda: glslang.parse(shaders.glsl(entry, values=values), "frag")))
