@@ -1,14 +1,15 @@
-"""Find and run programs: in their own process group, with a time limit, leaving no files behind."""
+"""Find and run programs: in their own process group, with a time limit, leaving no files behind. Hold back signals."""
 
 import os
 import shutil
 import signal
 import subprocess
 import sys
-from collections.abc import Callable, Mapping, Sequence
+import threading
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from functools import wraps
 from pathlib import Path
-from threading import Lock
 
 from bokeh_validation import paths
 from bokeh_validation.errors import Unavailable
@@ -58,6 +59,25 @@ def _end(process: subprocess.Popen) -> None:
     process.wait()
 
 
+@contextmanager
+def uninterrupted() -> Iterator[None]:
+    """Hold back an interruption until the block ends: C code that calls Python can crash when such a call raises.
+
+    Only the main thread handles signals; in other threads this does nothing.
+    """
+    received, handlers = [], {}
+    if threading.current_thread() is threading.main_thread():
+        for number in (signal.SIGINT, signal.SIGTERM):
+            handlers[number] = signal.signal(number, lambda number, _: received.append(number))
+    try:
+        yield
+    finally:
+        for number, handler in handlers.items():
+            signal.signal(number, handler)
+        for number in received[:1]:
+            signal.raise_signal(number)
+
+
 def find(name: str, install: str) -> str:
     """Return the path of a program. Raises Unavailable with `install`, how to install it, if there is none."""
     path = shutil.which(name)
@@ -70,7 +90,7 @@ def once(make: Callable) -> Callable:
     """Decorate a function without arguments so that it runs once per process; an Unavailable that it raises is
     remembered too.
     """
-    lock, outcome = Lock(), []
+    lock, outcome = threading.Lock(), []
 
     @wraps(make)
     def remembered():

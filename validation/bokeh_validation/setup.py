@@ -265,7 +265,7 @@ def _stop(*_) -> None:
 
 
 def main() -> None:
-    """Set up, then restart the script; a failure prints one line and exits with code 2."""
+    """Set up, then restart the script; a failure prints one line and exits with code 2, an interruption with 130."""
     signal.signal(signal.SIGTERM, _stop)
     script, *arguments = sys.argv[1:]
     try:
@@ -274,6 +274,7 @@ def main() -> None:
         print(f"error: {failure}", file=sys.stderr)
         sys.exit(2)
     except KeyboardInterrupt:
+        print("error: stopped", file=sys.stderr)
         sys.exit(130)
     os.execve(script, [script, *arguments], {**os.environ, "BOKEH_SET_UP": str(python)})
 

@@ -14,6 +14,7 @@ from bokeh_validation import needs, shaders
 from bokeh_validation.drivers.base import PROGRAMS, DeviceDriver, Draw, Image
 from bokeh_validation.errors import Unavailable
 from bokeh_validation.numerics.images import STORAGE
+from bokeh_validation.process import uninterrupted
 from bokeh_validation.shaders.passes import SLOTS, Pass, is_linear
 
 
@@ -38,7 +39,10 @@ class GLDriver(DeviceDriver):
 
     def _linked(self, text: str) -> moderngl.VertexArray:
         """Link a fragment shader into a program, returned as a vertex array without buffers."""
-        program = self.context.program(vertex_shader=shaders.glsl("BokehFullScreen", "330"), fragment_shader=text)
+        vertex = shaders.glsl("BokehFullScreen", "330")
+        # moderngl makes the objects of the uniforms by calls of Python, and crashes if one of them is interrupted
+        with uninterrupted():
+            program = self.context.program(vertex_shader=vertex, fragment_shader=text)
         for unit, slot in enumerate(SLOTS):
             if f"Bokeh{slot}" in program:
                 program[f"Bokeh{slot}"] = unit

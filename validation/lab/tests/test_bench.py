@@ -4,13 +4,19 @@ Times are not tested here: `bench --judge` does that, on an otherwise idle machi
 """
 
 import json
+import os
+import signal
+import subprocess
+import sys
+import time
 from functools import partial
+from pathlib import Path
 
 import numpy as np
 import pytest
 from support import called, load
 
-from bokeh_validation import plan
+from bokeh_validation import paths, plan
 from bokeh_validation.frame import methods
 from lab import bench
 from lab.bench import languages, pack
@@ -57,6 +63,23 @@ def test_command(tmp_path, monkeypatch):
         assert all(0.0 <= low <= median <= high for _, median, low, high in (row["whole"], *row["passes"]))
     # the CoC map, two targets of the first pass, and the result, 8 bytes each
     assert {row["key"]: row["bytes"] for row in found["rows"]}["exact medium"] == 8 * 4
+
+
+def test_interrupted():
+    """Check that an interruption while Mesa compiles or draws gives one line and exit code 130, and no crash."""
+    load("egl")
+    command = [sys.executable, "-P", "-m", "bokeh_validation", "bench", "--driver", "egl"]
+    streams = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True, "cwd": paths.VALIDATION}
+    environment = {**os.environ, "PYTHONPATH": str(paths.VALIDATION)}
+    # a background shell makes its children ignore the signal
+    foreground = {"preexec_fn": lambda: signal.signal(signal.SIGINT, signal.SIG_DFL)}
+    process = subprocess.Popen(command, env=environment, **streams, **foreground)
+    threads = Path(f"/proc/{process.pid}/task")
+    while process.poll() is None and not any("llvmpipe" in file.read_text() for file in threads.glob("*/comm")):
+        time.sleep(0.02)
+    time.sleep(0.5)
+    process.send_signal(signal.SIGINT)
+    assert process.communicate(timeout=20) == ("", "error: stopped\n") and process.returncode == 130
 
 
 def rows(**slower: float) -> list[dict]:

@@ -68,6 +68,7 @@ aperture --vertices '0,0 0.1,0 0.2,0' | thin; 0.01
 aperture --vertices '0,0 0.4,0 0.1,0.1 0,0.4' | not convex
 aperture --vertices '0,-0.5 0.294,0.405 -0.476,-0.155 0.476,-0.155 -0.294,0.405' | not convex
 truth --method blur | --method blur: unknown. Give one of pinhole, paper, exact, gather, layered mobile, layered low
+truth --method "layered best" | --method layered best: unknown; layered mobile, layered low, layered medium
 truth --scene street | --scene street: unknown. Give one of market_7, street_11, canopy_12
 truth --random 0 | --random 0: not allowed. Give 1 to 10000
 truth --random 3 --motion pan | --random and --motion; Give one of them

@@ -1,13 +1,17 @@
 """Test the table of what commands need; set-up installs from it and reports a failure in one line."""
 
 import ast
+import fcntl
 import hashlib
 import os
 import re
+import signal
 import subprocess
 import sys
+import time
 import tomllib
 import zipfile
+from contextlib import suppress
 from pathlib import Path
 
 import pytest
@@ -141,6 +145,32 @@ def test_no_network(tmp_path):
     assert done.returncode == 2 and done.stdout == "" and progress.startswith("set-up: fetching")
     assert len(errors) == 1 and errors[0].startswith("error: the Python packages could not be installed: the package")
     assert not list(tmp_path.glob("venv-*/complete-*"))
+
+
+def has_open(pid: int, path: Path) -> bool:
+    """Return whether a process has opened this file."""
+    with suppress(FileNotFoundError):  # closed while we looked
+        return any(map(path.samefile, Path(f"/proc/{pid}/fd").iterdir()))
+    return False
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_interrupted(number, tmp_path):
+    """Check that an interrupted set-up says so in one line and exits with 130: here, while it waits for another one."""
+    environment = {**os.environ, "BOKEH_CACHE": str(tmp_path)}
+    environment.pop("BOKEH_SET_UP", None)
+    # a background shell makes its children ignore the signal
+    foreground = {"preexec_fn": lambda: signal.signal(signal.SIGINT, signal.SIG_DFL)}
+    with open(tmp_path / "lock", "w") as lock:
+        fcntl.flock(lock, fcntl.LOCK_EX)
+        process = subprocess.Popen(
+            [paths.VALIDATION / "run", "parity"], env=environment, stderr=subprocess.PIPE, text=True, **foreground
+        )
+        # set-up waits when it has opened the file
+        while process.poll() is None and not has_open(process.pid, Path(lock.name)):
+            time.sleep(0.02)
+        process.send_signal(number)
+        assert process.communicate(timeout=20)[1] == "error: stopped\n" and process.returncode == 130
 
 
 def test_folder_that_cannot_be_written():
