@@ -16,6 +16,8 @@ const SHAPES := {
 # once more as the sample's user rotates them
 const ROTATED := { exact = "square", paper = "hexagon" }
 const CLOCKWISE := 10.0
+# and once with a weaker and a limited blur
+const FOCUS := { near_scale = 0.5, far_scale = 0.75, near_max_coc = 0.02, far_max_coc = 0.03 }
 # so that Godot's preprocessor meets every preset; all others have MEDIUM
 const PRESETS := { square = "LOW", octagon = "HIGH", decagon = "ULTRA" }
 # Godot's image of a viewport has 8 bits a channel, so floats go out as their bytes.
@@ -66,11 +68,13 @@ func capture(shapes: Variant) -> Dictionary:
 	for method: String in ROTATED if shapes == SHAPES else []:
 		var aperture: String = ROTATED[method]
 		data.shots.append(await _shot(files, method, aperture, SHAPES[method][aperture], CLOCKWISE))
+	if shapes == SHAPES:
+		data.shots.append(await _shot(files, "exact", "hexagon", 6, 0.0, FOCUS))
 	return { data = data, files = files }
 
 
-# clockwise: degrees
-func _shot(files: Dictionary, method: String, aperture: String, sides: int, clockwise := 0.0) -> Dictionary:
+# clockwise: degrees; controls: property of the node -> value, all of FOCUS or none
+func _shot(files: Dictionary, method: String, aperture: String, sides: int, clockwise := 0.0, controls := {}) -> Dictionary:
 	var size := ODD if method == "layered" else SHOT
 	var host := _host(size)
 	var bokeh: PolygonBokeh = host.get_child(0).bokeh
@@ -78,6 +82,8 @@ func _shot(files: Dictionary, method: String, aperture: String, sides: int, cloc
 	bokeh.sides = sides
 	bokeh.preset = PRESETS.get(aperture, "MEDIUM") if method != "paper" else "MEDIUM"
 	bokeh.rotation = deg_to_rad(clockwise)
+	for key: String in controls:
+		bokeh.set(key, controls[key])
 	await _drawn()
 	var title := "%s-%s" % [method, aperture] if clockwise == 0.0 else "rotated-" + method
 	var shot := {
@@ -86,6 +92,11 @@ func _shot(files: Dictionary, method: String, aperture: String, sides: int, cloc
 	}
 	if clockwise != 0.0:
 		shot.clockwise = clockwise
+	if controls:
+		shot.name = "focus-" + shot.name
+		shot.focus = {
+			scale = [bokeh.near_scale, bokeh.far_scale], limits = [bokeh.near_max_coc, bokeh.far_max_coc],
+		}
 	if method == "paper":
 		shot.merge({ samples = 9, spacing = 1.5 }) # what the preset stands for
 	var textures := bokeh.textures
@@ -105,7 +116,7 @@ func _shot(files: Dictionary, method: String, aperture: String, sides: int, cloc
 			found.written.append_array(_joined(read, i))
 	shot.camera = _lens(bokeh, _joined(read, 4))
 	for what: String in found:
-		shot[what] = "%s.%s" % [title, what]
+		shot[what] = "%s.%s" % [shot.name, what]
 		files[shot[what]] = Marshalls.raw_to_base64(found[what])
 	host.queue_free()
 	return shot

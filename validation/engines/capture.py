@@ -19,6 +19,8 @@ A shot may have its own camera, color, depth and stored, which override the comm
 whichever way v grows there. The sample does not say which way that is: the ground of its scene does, because on the
 screen it is near at the bottom and far at the top.
 
+"focus" of a shot has fields of methods.Focus, as [in front of the focus, behind it].
+
 "constants" has the constants of layered that the sample's language fixes, if there are any.
 
 "pull" records the autofocus, for the tests:
@@ -109,6 +111,8 @@ def _shot(folder: Path, data: dict, shot: dict) -> Shot:
     given_settings = {key: value for key, value in shot.items() if key in _SETTINGS}
     if "clockwise" in shot:
         given_settings["rotation"] = shot["clockwise"] if _v_grows_downwards(folder, metres) else -shot["clockwise"]
+    if "focus" in shot:
+        given_settings["focus"] = methods.Focus(**{key: tuple(pair) for key, pair in shot["focus"].items()})
     settings = methods.Settings(**given_settings, camera=methods.Camera(**shot["camera"]))
     case = Case(f"{data['engine']}: {shot['name']}", settings, color, metres)
     result = _pixels(folder / shot["result"], np.float16, shape)

@@ -173,7 +173,7 @@ def _text(name: str) -> str:
 def godot_shaders() -> dict[str, str]:
     """Return the add-on's copies of glsl/, without the lines that Godot's language lacks. Raises UserError."""
     ported = {}
-    for name in ("bokeh", "bokeh_paper", "bokeh_layers"):
+    for name in ("bokeh", "bokeh_paper", "bokeh_layers", "bokeh_lens"):
         text = _text(f"glsl/{name}.glsl")
         for pattern in NOT_IN_GODOT if name == "bokeh" else ():
             text, count = re.subn(pattern, "", text, flags=re.DOTALL)

@@ -30,6 +30,8 @@ ROTATED_PAPER = (
     "jmonkeyengine",
     bevy.NAME,
 )
+# Samples with a shot that has near and far scales and limits
+FOCUSED = ("godot",)
 # Samples whose autofocus is not checked here: test_godot.py covers Godot's, and Vulkan's scene is a single image
 WITHOUT_PULL = ("godot", *vulkan.NAMES)
 # Vertical field of view in degrees and f-stop from which the sample's lens is made
@@ -73,6 +75,19 @@ def check_rotation(folder, capture, methods):
     for shot in engines.read(folder, "opposite.json").shots:
         assert shot.comparison.outside and shot.comparison.close < close[shot.name] - 0.1, shot.comparison
     assert {shot["method"] for shot in rotated} == methods
+
+
+def check_focus(folder, capture):
+    """Check that a shot has a near and a far scale and limit, and that they act: without them, pixels leave the
+    interval.
+
+    folder   of the capture
+    """
+    data = json.loads((folder / "capture.json").read_text(encoding="utf-8"))
+    plain = [{key: value for key, value in shot.items() if key != "focus"} for shot in data["shots"] if "focus" in shot]
+    (folder / "plain.json").write_text(json.dumps(data | {"shots": plain}), encoding="utf-8")
+    outside = [shot.comparison.outside for shot in engines.read(folder, "plain.json").shots]
+    assert outside and min(outside) > 0.1 * capture.shots[-1].result[..., 0].size, outside
 
 
 def check_lens(camera, fovy, stop):
@@ -137,6 +152,8 @@ def test_sample(name, request, hand_over):
     folder = paths.cache_folder() / "engines" / name / "capture"
     if name not in WITHOUT_PULL:
         check_pull(folder, capture.shots[-1].case.depth)
+    if name in FOCUSED:
+        check_focus(folder, capture)
     shown = [(s.case.settings.method, s.case.settings.aperture) for s in capture.shots]
     assert set(shown) >= EXACT | (set() if name in WITHOUT_PAPER else PAPER)
     assert shown[0] == ("layered", "hexagon")

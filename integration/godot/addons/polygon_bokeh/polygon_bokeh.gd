@@ -34,6 +34,12 @@ enum View { PICTURE, DEPTH, COC, FIELDS }
 @export_range(-360.0, 360.0, 0.1, "radians_as_degrees") var rotation := 0.0
 @export var squeeze := 1.0 ## Width of the bokeh over its height.
 
+@export_group("Near and Far Blur") # In front of the focus, and behind it. No effect with paper.
+@export var near_scale := 1.0 ## Factor of the blur in front of the focus; 0 turns it off.
+@export var far_scale := 1.0 ## Factor of the blur behind the focus; 0 turns it off.
+@export_range(0.0, 1.0) var near_max_coc := 1.0 ## Largest blur in front of the focus, fraction of the image height.
+@export_range(0.0, 1.0) var far_max_coc := 1.0 ## Largest blur behind the focus, fraction of the image height.
+
 @export_group("Focus")
 ## Depth along the camera's axis, metres, where nothing below is set.
 @export var distance := 5.0
@@ -65,6 +71,8 @@ uniform float max_coc;
 uniform float rotation;
 uniform float squeeze;
 uniform vec2 image_size;
+uniform vec2 side_scale;
+uniform vec2 side_max_coc;
 
 void fragment()
 {
@@ -149,7 +157,8 @@ func _update(delta: float) -> void:
 	var values := {
 		aperture_diameter = focal_length / f_stop * bokeh_scale, focal_length = focal_length,
 		sensor_height = sensor_height, max_coc = max_coc, rotation = rotation, squeeze = squeeze,
-		image_size = Vector2(_size), depth_unit = DEPTH_RANGE * _camera.near,
+		image_size = Vector2(_size), side_scale = Vector2(near_scale, far_scale),
+		side_max_coc = Vector2(near_max_coc, far_max_coc), depth_unit = DEPTH_RANGE * _camera.near,
 		points = padded, point_count = mini(points.size(), 4), focus_distance = focus,
 		share = 1.0 if _cut or pull_seconds <= 0.0 else 1.0 - exp(-delta / pull_seconds),
 		exposure = exposure, white = white, view = view,
@@ -278,7 +287,7 @@ func _frame() -> Array[Array]:
 		rows.append(["metres", 1, "vec4(min(SceneDepth(UV), 65000.0), 0.0, 0.0, 1.0)"])
 		rows.append(["coc", 1, "BokehPackCoC(SceneColor(UV), abs(BokehSignedCoC(BokehPaperDepth(metres, UV), %s)))" % LENS])
 	else:
-		rows.append(["coc", 1, "BokehPackCoC(SceneColor(UV), SceneCoC(UV, image_size, %s))" % LENS])
+		rows.append(["coc", 1, "BokehPackCoC(SceneColor(UV), SceneCoC(UV, image_size, %s, SceneFocus(side_scale, side_max_coc)))" % LENS])
 	for row: Array in passes[sides]:
 		rows.append(row)
 	return rows
