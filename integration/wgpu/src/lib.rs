@@ -89,6 +89,8 @@ pub enum Error {
     NoViewports,
     /// The viewport is empty, or not within the image, whose width and height come last.
     Outside(Viewport, (u32, u32)),
+    /// The viewport of [`Method::Layered`] does not begin at multiples of 8.
+    Misaligned(Viewport),
 }
 
 impl fmt::Display for Error {
@@ -113,6 +115,7 @@ impl fmt::Display for Error {
             Self::Outside(viewport, (w, h)) => {
                 write!(out, "{viewport:?} is empty or not within the image of {w} x {h} pixels")
             }
+            Self::Misaligned(viewport) => write!(out, "{viewport:?} does not begin at multiples of 8, as layered needs"),
         }
     }
 }
@@ -335,8 +338,8 @@ impl Bokeh {
     ///
     /// # Errors
     ///
-    /// If it was not made by [`Bokeh::with_viewport`], or the viewport is empty or not within the image. Nothing is
-    /// recorded then.
+    /// If it was not made by [`Bokeh::with_viewport`], or the viewport is empty or not within the image, or does not begin
+    /// at multiples of 8 with [`Method::Layered`]. Nothing is recorded then.
     pub fn render_part<'a>(
         &self,
         queue: &Queue,
@@ -354,6 +357,11 @@ impl Bokeh {
             && viewport.y.saturating_add(viewport.height) <= full.height;
         if !fits || viewport.width == 0 || viewport.height == 0 {
             return Err(Error::Outside(viewport, (full.width, full.height)));
+        }
+        // a texel of the smallest targets, 8 x 8 pixels for layered, must not lie across the edge
+        let texel = self.frame.passes.iter().map(|pass| pass.scale).max().unwrap_or(1);
+        if viewport.x % texel != 0 || viewport.y % texel != 0 {
+            return Err(Error::Misaligned(viewport));
         }
         Ok(self.recorded(queue, encoder, targets, lens, depth, viewport, &mut |_, _| ()))
     }

@@ -249,7 +249,12 @@ fn wrong_viewports_are_errors() {
     assert_eq!(said(&part, 8, WIDTH), outside(8, WIDTH));
     assert_eq!(said(&part, u32::MAX, WIDTH), outside(u32::MAX, WIDTH));
     assert_eq!(said(&part, 0, 0), outside(0, 0));
-    assert_eq!(said(&part, 8, WIDTH - 8), None);
+    assert_eq!(said(&part, 4, WIDTH - 8), None);
+    let layered = Bokeh::with_viewport(&gpu.0, Method::Layered, Polygon::Square, Preset::Low);
+    let misaligned = Viewport { x: 4, y: 0, width: WIDTH - 8, height: HEIGHT };
+    let text = format!("{misaligned:?} does not begin at multiples of 8, as layered needs");
+    assert_eq!(said(&layered, 4, WIDTH - 8), Some(text));
+    assert_eq!(said(&layered, 8, WIDTH - 8), None);
 }
 
 /// The signed circle of confusion of an image that is everywhere `stored`, in alpha.
