@@ -21,6 +21,9 @@ SHOTS = ("layered-hexagon", "layered-octagon", "exact-hexagon", "exact-octagon",
 # once more, degrees clockwise
 ROTATED = ("exact-octagon-rotated", "paper-hexagon-rotated")
 CLOCKWISE = 10.0
+# and once with a weaker and a limited blur
+FOCUSED = ("exact-hexagon-focus",)
+CONTROLS = {"BokehNearScale": 0.5, "BokehFarScale": 0.75, "BokehNearMaxCoC": 0.02, "BokehFarMaxCoC": 0.03}
 # under which the autofocus looks
 POINTS = ((304, 82), (190, 128))
 
@@ -58,14 +61,19 @@ def main(folder):
     effect.parameters["BokehMaxCoC"] = 0.12
     effect.focus_on(panda)
     shots = []
-    for name in SHOTS + ROTATED:
+    defaults = dict(effect.parameters)
+    for name in SHOTS + FOCUSED + ROTATED:
         method, aperture = name.split("-")[:2]
         effect.rotation = radians(CLOCKWISE) if name in ROTATED else 0.0
+        effect.parameters.update(CONTROLS if name in FOCUSED else defaults)
         effect.change(method, SIDES[aperture])
         frames(base)
         shot = {"name": name, "method": method, "aperture": aperture, "result": f"{name}.f16"}
         if name in ROTATED:
             shot["clockwise"] = CLOCKWISE
+        if name in FOCUSED:
+            near_scale, far_scale, *limits = CONTROLS.values()
+            shot["focus"] = {"scale": [near_scale, far_scale], "limits": limits}
         (folder / shot["result"]).write_bytes(pixels(base, effect.textures["result"], "e"))
         if method == "layered":
             shot["written"] = f"{name}.written"

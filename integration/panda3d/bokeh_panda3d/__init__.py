@@ -77,7 +77,7 @@ class DepthOfField:
     bokeh_scale     how many times wider the blur is than that lens's: 1 is the real lens; with 0 no pass is drawn
     focus_distance  depth along the view axis, your unit
     rotation        of the polygon, radians, clockwise on the screen
-    parameters      all others by their names in docs/reference/parameters.md: BokehMaxCoC, BokehSqueeze ..
+    parameters      all others by their names in docs/reference/parameters.md: BokehMaxCoC, BokehNearScale ..
 
     To be read: textures["color"], ["depth"], ["result"] (linear HDR; alpha is the circle of confusion) and those
     between. `quad` shows one of them, its input `image`: give it your own shader for another tone mapping.
@@ -130,7 +130,7 @@ class DepthOfField:
             manager.nextsort -= 1
         self.textures, self.passes, self.buffers, self.values = dict(self.scene), [], [], None
         self.method, self.blurs = method, None
-        head = "".join(f"#define {line}\n" for line in (f"BOKEH_PRESET_{preset}", *defines))
+        head = "".join(f"#define {line}\n" for line in (f"BOKEH_PRESET_{preset}", "BOKEH_FOCUS_CONTROLS 1", *defines))
         for name, reads, writes, scale, parameters in (*begin, *frames[sides]):
             # the tables have layers of half size, and those of MOBILE have a quarter
             scale = 4 if preset == "MOBILE" and scale == 2 else scale

@@ -31,7 +31,7 @@ ROTATED_PAPER = (
     bevy.NAME,
 )
 # Samples with a shot that has near and far scales and limits
-FOCUSED = ("godot",)
+FOCUSED = ("godot", "panda3d")
 # Samples whose autofocus is not checked here: test_godot.py covers Godot's, and Vulkan's scene is a single image
 WITHOUT_PULL = ("godot", *vulkan.NAMES)
 # Vertical field of view in degrees and f-stop from which the sample's lens is made
