@@ -3,6 +3,7 @@ import com.jme3.math.Vector2f;
 import com.jme3.system.JmeVersion;
 import com.jme3.texture.Image.Format;
 import com.jme3.texture.Texture2D;
+import com.jme3.util.BufferUtils;
 import java.io.ByteArrayOutputStream;
 import java.io.File;
 import java.io.IOException;
@@ -41,10 +42,14 @@ public class Capture extends Sample {
     private static final float CLOCKWISE = 10f;
     // frames of a pull to the ball, which is nearer than the tower
     private static final int PULLED = 12;
+    // the frame with a bokeh scale of 0; the next one has no filter
+    private static final int OFF = SHOTS.size() + PULLED;
 
     private final File folder;
     private final StringJoiner told = new StringJoiner(",\n  ");
     private final StringJoiner pulled = new StringJoiner(", ");
+    // of the frame before OFF, and of all later ones
+    private final List<byte[]> screens = new ArrayList<>();
     private float focusDistance;
 
     Capture(File folder) {
@@ -64,6 +69,7 @@ public class Capture extends Sample {
     List<Shot> shots() {
         List<Shot> all = new ArrayList<>(SHOTS);
         all.addAll(Collections.nCopies(PULLED, shot("pull", Apertures.EXACT_HEXAGON)));
+        all.addAll(Collections.nCopies(2, shot("off", Apertures.EXACT_HEXAGON)));
         return all;
     }
 
@@ -75,11 +81,21 @@ public class Capture extends Sample {
             bokeh.setRotation(shot.name().endsWith("rotated") ? CLOCKWISE * FastMath.DEG_TO_RAD : 0f);
         } else if (index == SHOTS.size()) {
             bokeh.setAutofocus(rootNode, PULL_SECONDS, Scene.TOWER, Scene.BALL);
+        } else if (index == OFF) {
+            bokeh.setBokehScale(0f);
+        } else if (index > OFF) {
+            filters.removeAllFilters();
         }
     }
 
     @Override
     void take(Shot shot, int index) throws IOException {
+        if (index >= OFF - 1) {
+            screens.add(screen());
+        }
+        if (index >= OFF) {
+            return;
+        }
         if (index >= SHOTS.size()) {
             pulled.add(Float.toString(bokeh.getFocusDistance()));
             return;
@@ -119,8 +135,18 @@ public class Capture extends Sample {
         return all.toByteArray();
     }
 
+    private byte[] screen() {
+        ByteBuffer texels = BufferUtils.createByteBuffer(4 * WIDTH * HEIGHT);
+        renderer.readFrameBuffer(null, texels);
+        return bytes(texels);
+    }
+
     @Override
     void finish(File output) throws IOException {
+        boolean same = Arrays.equals(screens.get(1), screens.get(2));
+        if (bokeh.isEnabled() || !same || Arrays.equals(screens.get(0), screens.get(1))) {
+            throw new IOException("a bokeh scale of 0 does not leave the scene as it is");
+        }
         write("color.f16", texture("scene"), Format.RGBA16F);
         float focalLength = 0.5f * 0.024f * cam.getProjectionMatrix().m11;
         String capture = String.format(Locale.ROOT, """

@@ -42,7 +42,7 @@ public class Sample extends SimpleApplication {
     private final File output;
     private final BufferedImage sheet = new BufferedImage(2 * WIDTH, 2 * HEIGHT, BufferedImage.TYPE_INT_RGB);
     BokehFilter bokeh;
-    private FilterPostProcessor filters;
+    FilterPostProcessor filters;
     private int frame;
 
     Sample(File output) {

@@ -156,7 +156,8 @@ fn copy_written(
     }
 }
 
-/// Keep what the shot has drawn, then go on to the next one; the debug view is the last.
+/// Keep what the shot has drawn, then go on to the next one. After the shots there are a debug view, and a frame
+/// without blur.
 fn next_shot(
     mut frame: Local<u32>,
     camera: Single<(&mut Bokeh, &mut Msaa)>,
@@ -172,8 +173,11 @@ fn next_shot(
             (bokeh.method, bokeh.shape, bokeh.preset, *msaa) = (*method, *shape, *preset, *samples);
             bokeh.rotation = if is_rotated(name) { CLOCKWISE.to_radians() } else { 0.0 };
             images.get_mut(&picture.0).unwrap().resize(extent(*size));
-        } else {
+        } else if shot == SHOTS.len() {
             bokeh.debug = Some(BokehDebug::Focus);
+        } else {
+            bokeh.debug = None;
+            bokeh.aperture_diameter = Bokeh::with_lens(0.5, 2.8, 0.0).aperture_diameter;
         }
     }
     *frame += 1;
@@ -183,21 +187,33 @@ fn next_shot(
     let write =
         |name: String, bytes: &[u8]| fs::write(folder.0.join(name), bytes).expect("the folder can be written to");
     let Some((name, method, .., size)) = SHOTS.get(shot) else {
-        save(&latest.0["picture"], folder.0.join("debug.png"));
-        write("capture.json".into(), description(&bokeh, &adapter).as_bytes());
-        exit.write(AppExit::Success);
+        if shot == SHOTS.len() {
+            save(&latest.0["picture"], folder.0.join("debug.png"));
+            write("capture.json".into(), description(&bokeh, &adapter).as_bytes());
+        } else {
+            // a pass would write the circle of confusion to alpha, which is 1
+            let (color, targets) = read_back(&latest.0["copies"], &bokeh, SIZE);
+            assert!(targets.ends_with(color), "a bokeh scale of 0 does not leave the scene as it is");
+            exit.write(AppExit::Success);
+        }
         return;
     };
-    let bytes = |name: &&str, scale| texels(*size, scale) * if *name == "metres" { 4 } else { 8 };
-    let written = bokeh.passes().flat_map(|pass| pass.writes.iter().map(|name| bytes(name, pass.scale))).sum();
-    let (color, targets) = latest.0["copies"].split_at(texels(*size, 1) * 8);
+    let (color, targets) = read_back(&latest.0["copies"], &bokeh, *size);
     write(format!("color-{}.f16", size.x), color);
     if *method == BokehMethod::Paper {
         write(format!("depth-{}.f32", size.x), &targets[..texels(*size, 1) * 4]);
     }
-    write(format!("{name}.written"), &targets[..written]);
-    write(format!("{name}.f16"), &targets[written - color.len()..written]);
+    write(format!("{name}.written"), targets);
+    write(format!("{name}.f16"), &targets[targets.len() - color.len()..]);
     save(&latest.0["picture"], folder.0.join("picture.png"));
+}
+
+/// The camera's image, and what the passes wrote, of which the result is the last.
+fn read_back<'a>(copies: &'a [u8], bokeh: &Bokeh, size: UVec2) -> (&'a [u8], &'a [u8]) {
+    let bytes = |name: &&str, scale| texels(size, scale) * if *name == "metres" { 4 } else { 8 };
+    let written = bokeh.passes().flat_map(|pass| pass.writes.iter().map(|name| bytes(name, pass.scale))).sum();
+    let (color, targets) = copies.split_at(texels(size, 1) * 8);
+    (color, &targets[..written])
 }
 
 fn is_rotated(name: &str) -> bool {
