@@ -79,7 +79,7 @@ export class PolygonBokehNode extends withLens(Node, { Raycaster, Vector2, Vecto
   // (scenePass, options) or (color, depth, camera, options)
   //
   // scenePass  pass(scene, camera)
-  // color      what is blurred: any node, such as a scene pass times ambient occlusion, or what TRAA or SSGI return
+  // color      what is blurred: any node, such as a scene pass times ambient occlusion, or what TRAA returns
   // depth      node of the depth texture that belongs to it: scenePass.getTextureNode('depth')
   // camera     that the depth was drawn with
   // options    those of PolygonBokehPass but for depthTexture, and
