@@ -15,13 +15,15 @@ import pytest
 from support import needed
 from support_inputs import of_sample
 
-from bokeh_validation import __version__, paths
+from bokeh_validation import __version__, generate, paths
 from bokeh_validation.errors import UserError
 from bokeh_validation.generate import manifests
 from engines import cargo, pages
 
 ROOT = paths.ROOT
 INTEGRATION = ROOT / "integration"
+# Folders that git ignores
+NOT_OURS = ("node_modules", "target", "dist", "__pycache__")
 PAGE = (paths.ROOT / "docs/publishing.md").read_text(encoding="utf-8")
 
 
@@ -269,3 +271,23 @@ def test_names_of_archives():
     }.items():
         found = parsed(name, (INTEGRATION / name).read_text(encoding="utf-8"))["name"]
         assert archive in PAGE and archive.partition("-$V")[0].replace("_", "-") == found
+
+
+def test_hand_written_lines(monkeypatch):
+    """Check that at most 15,000 lines of integration/ are written by hand.
+
+    These are the lines of text files that are not blank. Left out are the live page (demo), guides (.md), licences,
+    npm's lock files, files that `validation/run generate` writes, and in other files the regions that it writes.
+    Templates count, because they are written by hand; so do samples and tests.
+    """
+    text_of, left_out = generate._text, {*generate.godot_shaders()}
+    # every file is out of date then, except those of which only regions are generated, or which are made by _text()
+    monkeypatch.setattr(generate, "_text", lambda name: f"{text_of(name)} ")
+    left_out, count = left_out.union(generate.out_of_date()), 0
+    for path in INTEGRATION.rglob("*"):
+        is_other = path.suffix in (".md", ".png") or path.name in ("LICENSE", "package-lock.json") or not path.is_file()
+        name = path.relative_to(ROOT)
+        if not is_other and name.as_posix() not in left_out and not {"demo", *NOT_OURS} & set(name.parts):
+            text = generate.REGION.sub("", path.read_text(encoding="utf-8"))
+            count += sum(bool(line.strip()) for line in text.splitlines())
+    assert 10_000 < count <= 15_000, count
