@@ -14,7 +14,7 @@ from support_inputs import DRAWN_AGAIN, of_sample, samples
 import engines
 from bokeh_validation import paths, process
 from bokeh_validation.errors import Unavailable
-from engines import bevy, cargo, pages, vulkan, wgpu
+from engines import bevy, cargo, lavapipe, pages, vulkan, wgpu
 
 EXACT = {("exact", "hexagon"), ("exact", "octagon")}
 PAPER = {("paper", "hexagon"), ("paper", "octagon")}
@@ -217,7 +217,7 @@ def test_wgpu_crate():
 @pytest.mark.timeout(1200)
 def test_wgpu_program(tmp_path):
     """Build an empty project with the guide's commands and its program, at most 25 lines, and check the image that it
-    writes.
+    writes. In the same project, the sample's capture must be within the reference's intervals.
     """
     with needed(wgpu.NAME):
         crate = cargo.copied(wgpu.NAME)
@@ -225,13 +225,20 @@ def test_wgpu_program(tmp_path):
         (dependencies,) = re.findall(r"`cargo (add wgpu.*)`", guide)
         program = re.search(r"```rust\n(use .*?)```", guide, re.DOTALL)[1]
         assert len(program.splitlines()) <= 25
-        (tmp_path / "src").mkdir()
+        (tmp_path / "src/bin").mkdir(parents=True)
         (tmp_path / "src/main.rs").write_text(program, encoding="utf-8")
-        (tmp_path / "Cargo.toml").write_text('[package]\nname = "lamps"\nedition = "2024"\n', encoding="utf-8")
+        shutil.copyfile(crate / "examples/capture.rs", tmp_path / "src/bin/capture.rs")
+        settings = '[package]\nname = "lamps"\nedition = "2024"\ndefault-run = "lamps"\n'
+        (tmp_path / "Cargo.toml").write_text(settings, encoding="utf-8")
         for words in (f"add polygonal-bokeh --path {crate}", dependencies):
             command, *arguments = words.split()
             cargo.build(wgpu.NAME, tmp_path, *arguments, command=command)
         cargo.build(wgpu.NAME, tmp_path, command="run", extra=wgpu.environment())
+        folder = paths.ensured(tmp_path / "capture")
+        lavapipe.write_scene(folder)
+        capture = ("--bin", wgpu.EXAMPLE, str(folder))
+        cargo.build(wgpu.NAME, tmp_path, *capture, command="run", extra=wgpu.environment())
+        check_shots(engines.read(folder))
         with Image.open(tmp_path / "lamps.png") as picture:
             pixels = np.asarray(picture.convert("RGB")).astype(int)
     bright = pixels.max(axis=2) > 120

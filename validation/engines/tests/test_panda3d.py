@@ -9,7 +9,9 @@ import pytest
 from support import needed
 from support_inputs import of_sample
 from support_pages import assert_picture
+from test_engines import check_shots
 
+import engines
 from bokeh_validation import __version__, paths, process
 from engines import desktop
 
@@ -46,7 +48,8 @@ def test_wheel(tmp_path):
 @of_sample("panda3d", of_code=True)
 @pytest.mark.parametrize("form", ["folder", "git"])
 def test_installed(form, tmp_path):
-    """Install the package from a folder, and with git from a repository, and let the sample draw its image with it.
+    """Install the package from a folder, and with git from a repository, and let the sample draw its image with it, and
+    a capture, which must be within the reference's intervals.
 
     It is installed into a new environment, where pip finds Panda3D through a .pth file; setuptools is downloaded once.
     """
@@ -66,5 +69,7 @@ def test_installed(form, tmp_path):
     shutil.copytree(SAMPLE, away, ignore=shutil.ignore_patterns("bokeh_panda3d"))
     process.run([python, "sample.py", "drawn.png"], desktop.SECONDS, away)
     assert_picture(away / "drawn.png", SAMPLE / "picture.png")
+    process.run([python, "capture.py", paths.ensured(away / "capture")], desktop.SECONDS, away)
+    check_shots(engines.read(away / "capture"))
     with pytest.raises(RuntimeError, match="ValueError: no passes for method 'layered', sides 5, preset 'MEDIUM'"):
         process.run([python, "-c", WRONG], desktop.SECONDS, away)

@@ -5,12 +5,15 @@ Node.js runs these tests, integration/web/test, in a copy of the repository.
 """
 
 import re
+import shutil
 
 import pytest
 from support import needed
 from support_inputs import inputs
 from support_node import assert_passes, files
+from test_engines import check_shots
 
+import engines
 from bokeh_validation import browser, paths
 from engines import pages
 
@@ -41,6 +44,25 @@ SIZES = pytest.mark.inputs("integration/web/shaders.js")
 def test_by_node(project, file):
     """Check that every test in a file of integration/web/test passes."""
     assert_passes(project, file)
+
+
+def test_installed(tmp_path):
+    """Install the packed package into a copy of three.js's sample, which then imports it from node_modules, and check
+    that the sample's results are within the reference's intervals.
+    """
+    local = shutil.ignore_patterns("node_modules")
+    sample = shutil.copytree(SAMPLES[0], tmp_path / "integration/threejs", ignore=local)
+    with needed("threejs-webgl"):
+        pages.call_npm(tmp_path, "pack", WEB)
+        (archive,) = tmp_path.glob("polygonal-bokeh-*.tgz")
+        pages.call_npm(sample, "install", archive)
+        page = sample / "webgl.html"
+        text = page.read_text(encoding="utf-8")
+        assert text.count("../web/") == 1
+        page.write_text(text.replace("../web/", "./node_modules/polygonal-bokeh/"), encoding="utf-8")
+        folder = paths.ensured(tmp_path / "capture")
+        pages.run("threejs-webgl", folder, tmp_path)
+    check_shots(engines.read(folder))
 
 
 @pytest.mark.parametrize(("file", "flags"), [("chromium.js", browser.FLAGS), ("three.js", list(pages.CANVAS))])
