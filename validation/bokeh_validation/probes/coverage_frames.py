@@ -195,8 +195,21 @@ def _layers() -> Iterator[tuple[str, Frame]]:
     for label, cocs in (planes | {"ragged": ragged, "ragged, near": np.minimum(ragged, 0.0)}).items():
         depth = np.vectorize(near_edges.metres)(cocs, 40).astype(np.float32)
         yield label, replace(frame, textures={**frame.textures, "depth": depth})
+    # LOW beside near objects only; and rings by a loop, of which the last, of few samples, lies in both layers' reach
+    wider = np.random.default_rng(7).uniform(-30.0, 14.0, (40, 50))
+    for label, cocs, changes in (
+        ("ragged, near, low", np.minimum(ragged, 0.0), {"preset": "low"}),
+        ("ragged, wider, cut", wider, {"cats_eye": 0.5}),
+    ):
+        frame = of_settings(replace(LAYERED, camera=near_edges.CAMERA, **changes), (50, 40))
+        depth = np.vectorize(near_edges.metres)(cocs, 40).astype(np.float32)
+        yield label, replace(frame, textures={**frame.textures, "depth": depth})
     for label, cocs in OUTLINES.items():
         yield f"outlines, {label}", _outlines(cocs)
+    frame = _outlines(OUTLINES["wide blur"])
+    without = {"BOKEH_LAYER_OUTLINES": 0}
+    passes = (replace(render_pass, defines=render_pass.defines | without) for render_pass in frame.passes)
+    yield "outlines, off", replace(frame, passes=tuple(passes))
     frame = of_settings(replace(LAYERED, **WIDE), (64, 48))
     frame.textures["color"][:, :32, :3] = 0.0
     frame.textures["color"][3::9, 36::7, :3] = 60000.0
