@@ -62,11 +62,11 @@ def test_market(request, hand_over):
 
 def test_octagon():
     """Check that the octagon is as near as the hexagon, and that other rotations than TRUTH_ROTATION are farther from
-    the truth.
+    the truth: on canopy_12, because the blur of street_11 is so narrow that the positions of the samples matter more.
     """
     turned = flip("street_11", "layered medium", "octagon")
     assert turned == pytest.approx(flip("street_11", "layered medium"), abs=OCTAGON_OFF)
-    assert turned < flip("street_11", "layered medium", "octagon", rotation=0.0)
+    assert flip("canopy_12", "layered medium", "octagon") < flip("canopy_12", "layered medium", "octagon", rotation=0.0)
 
 
 def test_command():
