@@ -64,10 +64,10 @@ def main(folder):
         if method == "paper":
             # what the preset MEDIUM stands for
             shot |= {"depth": "metres.f32", "stored": None, "samples": 9, "spacing": 1.5}
+            (folder / "metres.f32").write_bytes(passes[0].framebuffer.read(components=1, dtype="f4"))
         shots.append(shot)
     (folder / "color.f16").write_bytes(renderer.color.read())
     (folder / "depth.f32").write_bytes(renderer.framebuffer.read(components=1, attachment=-1, dtype="f4"))
-    (folder / "metres.f32").write_bytes(passes[0].framebuffer.read(components=1, dtype="f4"))
     capture = {
         "engine": f"OpenGL {context.info['GL_VERSION']}, moderngl {moderngl.__version__}",
         "device": context.info["GL_RENDERER"],
