@@ -38,7 +38,8 @@ def test_what_the_guide_says(sample):
     (name, page), kind = sample, sample[0].partition("-")[2]
     answer = page.call("interaction", kind)
     assert_pulled(answer)
-    assert answer["dragged"] == answer["before"]
+    # the pull to the distance before may still be changing the last bit; a click changes metres
+    assert answer["dragged"] == pytest.approx(answer["before"], rel=1e-12)
     assert "coc" in answer["passes"][1] and len(answer["passes"]) == 2 if "babylonjs" in name else answer["mode"] == 2
     cases = page.call("depths", kind)
     assert len(cases) == CAMERAS[name][0]
