@@ -1305,7 +1305,8 @@ fn BokehGatherRing(before: BokehGather, MapSamp: texture_2d<f32>, ring: i32, onE
             let isBehind: vec2f = clamp(CoC * 2.0 - 2.0 * gather.s, zero, one) * (1.0 -
                 gather.nearWeight);
             var inverse: vec2f = BokehSpreadInverse(CoC);
-            inverse += (gather.inverse - inverse) * isBehind;
+            // not by their difference, which loses the other one: in focus, the value is 1e13
+            inverse = inverse * (1.0 - isBehind) + gather.inverse * isBehind;
             inverse = clamp(inverse, gather.bounds.xx, gather.bounds.yy);
             var covers: vec2f = cell * max(min(1.0 - innerSquare * inverse, area * inverse), zero);
             let inFar: vec2f = covers * clamp(CoC * gather.slopes.y - 2.0, zero, one);

@@ -1745,7 +1745,7 @@ vec2 CoC = vec2(float(pixel.a), float(other.a)) * full.size.y;
 vec2 isBehind = clamp(CoC * 2.0 - 2.0 * gather.s, zero, one) * (1.0 -
 gather.nearWeight);
 vec2 inverse = BokehSpreadInverse(CoC);
-inverse += (gather.inverse - inverse) * isBehind;
+inverse = inverse * (1.0 - isBehind) + gather.inverse * isBehind;
 inverse = clamp(inverse, gather.bounds.xx, gather.bounds.yy);
 vec2 covers = cell * max(min(1.0 - innerSquare * inverse, area * inverse), zero);
 vec2 inFar = covers * clamp(CoC * gather.slopes.y - 2.0, zero, one);

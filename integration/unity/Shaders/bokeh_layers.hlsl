@@ -1335,7 +1335,8 @@ BokehGather BokehGatherRing(BokehGather before, BOKEH_TEXTURE MapSamp, int ring,
             float2 isBehind = clamp(CoC * 2.0 - 2.0 * gather.s, zero, one) * (1.0 -
                 gather.nearWeight);
             float2 inverse = BokehSpreadInverse(CoC);
-            inverse += (gather.inverse - inverse) * isBehind;
+            // not by their difference, which loses the other one: in focus, the value is 1e13
+            inverse = inverse * (1.0 - isBehind) + gather.inverse * isBehind;
             inverse = clamp(inverse, gather.bounds.xx, gather.bounds.yy);
             float2 covers = cell * max(min(1.0 - innerSquare * inverse, area * inverse), zero);
             float2 inFar = covers * clamp(CoC * gather.slopes.y - 2.0, zero, one);

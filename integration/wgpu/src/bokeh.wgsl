@@ -1674,7 +1674,7 @@ let CoC: vec2f = vec2f(f32(pixel.a), f32(other.a)) * full.size.y;
 let isBehind: vec2f = clamp(CoC * 2.0 - 2.0 * gather.s, zero, one) * (1.0 -
 gather.nearWeight);
 var inverse: vec2f = BokehSpreadInverse(CoC);
-inverse += (gather.inverse - inverse) * isBehind;
+inverse = inverse * (1.0 - isBehind) + gather.inverse * isBehind;
 inverse = clamp(inverse, gather.bounds.xx, gather.bounds.yy);
 var covers: vec2f = cell * max(min(1.0 - innerSquare * inverse, area * inverse), zero);
 let inFar: vec2f = covers * clamp(CoC * gather.slopes.y - 2.0, zero, one);
