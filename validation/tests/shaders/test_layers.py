@@ -332,3 +332,18 @@ def test_outlines(driver):
     beside, slope = image[rows, 63], np.abs(image[rows, 62] - image[rows, 63])
     assert beside.min() > 1.0
     assert (np.abs(behind - beside) <= 2.0 * slope + 0.02 * beside).all()
+
+
+@in_each_language
+def test_in_focus_behind(driver):
+    """Check that a bright surface exactly in focus does not glow onto a dark strip in front of it, also in focus.
+
+    A near object in reach makes the gather wide. The strip's disc has a radius of 0.45 pixels, so it reaches no other
+    pixel, and colours are powers of two, so the copy is exact.
+    """
+    size, strip = (64, 48), slice(16, 32)
+    color, depth = flat(size, 1.0), depth_of(size, near_edges.metres(0.0, size[1]))
+    color[strip, :, :3], depth[strip] = 2.0**-6, near_edges.metres(-0.9, size[1])
+    depth[38:42], depth[42:] = near_edges.metres(-8.0, size[1]), near_edges.metres(-16.0, size[1])
+    image = layered(driver, Case("in focus behind", LAYERED, color, depth))
+    np.testing.assert_array_equal(image[strip], 2.0**-6)
