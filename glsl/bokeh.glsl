@@ -461,21 +461,19 @@ vec4 BokehPackCoC(vec4 color, float CoC)
         BOKEH_MAX_COLOR), BokehSanitize(color.b, 0.0, BOKEH_MAX_COLOR), CoC);
 }
 
-// Listing 1: returns the sum of the channels of a colour, invalid ones replaced as in the map
+// Listing 1: returns the sum of the channels of a colour; 0 if that is NaN or negative
 float BokehBrightness(vec4 color)
 {
-    vec4 safe = BokehPackCoC(color, 0.0);
-    return safe.r + safe.g + safe.b;
+    return BokehSanitize(color.r + color.g + color.b, 0.0, 3.0 * BOKEH_MAX_COLOR);
 }
 
 // Listing 1: returns the brighter of two neighbours of this pixel
 //   brightest     xy = direction of the brightest neighbour so far, pixels; z = its brightness
-//   color         of the next neighbour
+//   brightness    of the next neighbour
 //   direction     of the next neighbour, pixels
-vec3 BokehBrighter(vec3 brightest, vec4 color, vec2 direction)
+vec3 BokehBrighter(vec3 brightest, float brightness, vec2 direction)
 {
     vec3 result = brightest;
-    float brightness = BokehBrightness(color);
     if (brightness > brightest.z)
     {
         result = vec3(direction, brightness);
@@ -501,13 +499,14 @@ vec3 BokehBrighter(vec3 brightest, vec4 color, vec2 direction)
 vec4 BokehLightBeside(vec4 color, vec4 right, vec4 left, vec4 below, vec4 above)
 {
     float brightness = max(BokehBrightness(color), 0.0000001);
-    float darkest = min(min(BokehBrightness(right), BokehBrightness(left)),
-        min(BokehBrightness(below), BokehBrightness(above)));
+    vec4 beside = vec4(BokehBrightness(right), BokehBrightness(left), BokehBrightness(below),
+        BokehBrightness(above));
+    float darkest = min(min(beside.x, beside.y), min(beside.z, beside.w));
     vec3 brightest = vec3(0.0, 0.0, brightness);
-    brightest = BokehBrighter(brightest, right, vec2(1.0, 0.0));
-    brightest = BokehBrighter(brightest, left, vec2(-1.0, 0.0));
-    brightest = BokehBrighter(brightest, below, vec2(0.0, 1.0));
-    brightest = BokehBrighter(brightest, above, vec2(0.0, -1.0));
+    brightest = BokehBrighter(brightest, beside.x, vec2(1.0, 0.0));
+    brightest = BokehBrighter(brightest, beside.y, vec2(-1.0, 0.0));
+    brightest = BokehBrighter(brightest, beside.z, vec2(0.0, 1.0));
+    brightest = BokehBrighter(brightest, beside.w, vec2(0.0, -1.0));
     float ratio = brightest.z / brightness;
     float dark = clamp((ratio - BOKEH_TUNED_LIGHT_START) / (BOKEH_TUNED_LIGHT_FULL -
         BOKEH_TUNED_LIGHT_START), 0.0, 1.0);
@@ -1021,7 +1020,7 @@ vec4 BokehExactTarget(int k, BokehPolygon polygon, bool rays, BokehLine L1, Boke
 BokehTargets BokehExactFirst(BOKEH_TEXTURE MapSamp, vec2 uv, int last, BokehPolygon polygon,
     BokehSamplingSettings settings)
 {
-    vec4 centerPixel = BokehFetch(MapSamp, uv);
+    vec4 centerPixel = BokehFetchTexel(MapSamp, BokehToTexture(uv));
     // a hexagon has no edge 4, so a program for that edge needs no code for rays
     bool rays = false;
     if (last < 4)
@@ -1073,7 +1072,7 @@ BokehTargets BokehSquareFirst(BOKEH_TEXTURE MapSamp, vec2 uv, BokehPolygon polyg
 vec4 BokehSquareSecond(BOKEH_TEXTURE Strip2Samp, vec2 uv, BokehPolygon polygon,
     BokehSamplingSettings settings)
 {
-    vec4 pixel = BokehFetch(Strip2Samp, uv);
+    vec4 pixel = BokehFetchTexel(Strip2Samp, BokehToTexture(uv));
     BokehLine L2 = BokehLineSum(Strip2Samp, uv, 2, polygon, true, false, pixel, settings);
     return BokehResolved(L2.sum, pixel);
 }
@@ -1091,7 +1090,7 @@ BokehTargets BokehHexagonFirst(BOKEH_TEXTURE MapSamp, vec2 uv, BokehPolygon poly
 vec4 BokehHexagonSecond(BOKEH_TEXTURE Strip2Samp, BOKEH_TEXTURE Strip3Samp, vec2 uv,
     BokehPolygon polygon, BokehSamplingSettings settings)
 {
-    vec4 pixel = BokehFetch(Strip2Samp, uv);
+    vec4 pixel = BokehFetchTexel(Strip2Samp, BokehToTexture(uv));
     BokehLine L2 = BokehLineSum(Strip2Samp, uv, 2, polygon, true, true, pixel, settings);
     BokehLine L3 = BokehLineSum(Strip3Samp, uv, 3, polygon, true, true, pixel, settings);
     return BokehResolved(L2.sum + L3.sum, pixel);
@@ -1110,7 +1109,7 @@ BokehTargets BokehOctagonFirst(BOKEH_TEXTURE MapSamp, vec2 uv, BokehPolygon poly
 vec4 BokehOctagonSecond(BOKEH_TEXTURE Strip2Samp, BOKEH_TEXTURE Strip3Samp,
     BOKEH_TEXTURE Strip4Samp, vec2 uv, BokehPolygon polygon, BokehSamplingSettings settings)
 {
-    vec4 pixel = BokehFetch(Strip2Samp, uv);
+    vec4 pixel = BokehFetchTexel(Strip2Samp, BokehToTexture(uv));
     BokehLine L2 = BokehLineSum(Strip2Samp, uv, 2, polygon, true, false, pixel, settings);
     BokehLine L3 = BokehLineSum(Strip3Samp, uv, 3, polygon, true, false, pixel, settings);
     BokehLine L4 = BokehLineSum(Strip4Samp, uv, 4, polygon, true, false, pixel, settings);
@@ -1131,7 +1130,7 @@ vec4 BokehDecagonSecond(BOKEH_TEXTURE Strip2Samp, BOKEH_TEXTURE Strip3Samp,
     BOKEH_TEXTURE Strip4Samp, BOKEH_TEXTURE Strip5Samp, vec2 uv, BokehPolygon polygon,
     BokehSamplingSettings settings)
 {
-    vec4 pixel = BokehFetch(Strip2Samp, uv);
+    vec4 pixel = BokehFetchTexel(Strip2Samp, BokehToTexture(uv));
     BokehLine L2 = BokehLineSum(Strip2Samp, uv, 2, polygon, true, false, pixel, settings);
     BokehLine L3 = BokehLineSum(Strip3Samp, uv, 3, polygon, true, false, pixel, settings);
     BokehLine L4 = BokehLineSum(Strip4Samp, uv, 4, polygon, true, false, pixel, settings);

@@ -288,6 +288,13 @@ vec4 BokehFetchGrid(BOKEH_TEXTURE tex, vec2 place, BokehGrid grid)
     return BokehFetchTexture(tex, BokehGridCoords(place, grid));
 }
 
+// Layers: fetches one texel, whatever filter the texture has
+//   place         its centre, texels of the grid
+vec4 BokehFetchGridTexel(BOKEH_TEXTURE tex, vec2 place, BokehGrid grid)
+{
+    return BokehFetchTexel(tex, BokehGridCoords(place, grid));
+}
+
 // Layers: fetches with the filter at an offset from the middle of a pixel
 //   It divides, because grid.texel is rounded: in the middle of a dark texel, that error would show
 //   0.00001 of a light beside it.
@@ -359,7 +366,7 @@ vec4 BokehTileMax(BOKEH_TEXTURE MapSamp, BokehLayerContext layers)
         for (int x = 0; x < 8; x++)
         {
             vec2 place = first + vec2(float(x), float(y));
-            vec4 pixel = BokehFetchGrid(MapSamp, place, BokehFullGrid(layers));
+            vec4 pixel = BokehFetchGridTexel(MapSamp, place, BokehFullGrid(layers));
             float s = pixel.a * layers.size.y;
             float logBrightness = log2(max(BokehBrightest(pixel.rgb), BOKEH_MIN_BRIGHTNESS));
             found = vec3(max(found.r, -s), max(found.g, s), found.b + logBrightness);
@@ -404,7 +411,7 @@ vec4 BokehTileDilate(BOKEH_TEXTURE TilesSamp, vec2 axis, BokehLayerContext layer
         {
             break;
         }
-        vec4 tile = BokehFetchGrid(TilesSamp, layers.uv * grid.size + axis * tiles, grid);
+        vec4 tile = BokehFetchGridTexel(TilesSamp, layers.uv * grid.size + axis * tiles, grid);
         found = max(found, BokehReaching(tile.rg, abs(tiles)));
         logBrightness += tile.b;
     }
@@ -492,10 +499,10 @@ BokehPrefiltered BokehPrefilterBlock(BOKEH_TEXTURE MapSamp, vec2 middle, vec4 ti
     float inverseBrightness = exp2(-tile.b);
     float maxWeight = 500000.0 / max(layers.largest, 50.0);
     // the four pixels
-    vec4 a = BokehFetchGrid(MapSamp, middle + vec2(-0.5, -0.5), full);
-    vec4 b = BokehFetchGrid(MapSamp, middle + vec2(0.5, -0.5), full);
-    vec4 c = BokehFetchGrid(MapSamp, middle + vec2(-0.5, 0.5), full);
-    vec4 d = BokehFetchGrid(MapSamp, middle + vec2(0.5, 0.5), full);
+    vec4 a = BokehFetchGridTexel(MapSamp, middle + vec2(-0.5, -0.5), full);
+    vec4 b = BokehFetchGridTexel(MapSamp, middle + vec2(0.5, -0.5), full);
+    vec4 c = BokehFetchGridTexel(MapSamp, middle + vec2(-0.5, 0.5), full);
+    vec4 d = BokehFetchGridTexel(MapSamp, middle + vec2(0.5, 0.5), full);
     vec4 s = vec4(a.a, b.a, c.a, d.a) * full.size.y;
     vec4 nearWeights = BokehLayerWeights(-s, nearSlope);
     vec4 farWeights = BokehLayerWeights(s, farSlope);
@@ -527,7 +534,7 @@ BokehPrefiltered BokehPrefilterBlock(BOKEH_TEXTURE MapSamp, vec2 middle, vec4 ti
                 // of the twelve pixels around the block, take four, one on each side
                 if ((abs(offset.x) - abs(offset.y)) * offset.x * offset.y > 0.5)
                 {
-                    vec4 pixel = BokehFetchGrid(MapSamp, middle + offset, full);
+                    vec4 pixel = BokehFetchGridTexel(MapSamp, middle + offset, full);
                     around = BokehSurroundings(around, pixel, BokehLayerWeight(-pixel.a *
                         full.size.y, nearSlope), maxNearWeight);
                 }
@@ -612,8 +619,8 @@ BokehTileSums BokehLayerCoCReduce(BOKEH_TEXTURE SumsSamp, BOKEH_TEXTURE GatherCo
         for (int x = 0; x < texels; x++)
         {
             vec2 place = first + vec2(float(x), float(y));
-            sums += BokehFetchGrid(SumsSamp, place, grid);
-            gatherCoC = max(gatherCoC, BokehFetchGrid(GatherCoCSamp, place, grid).rg);
+            sums += BokehFetchGridTexel(SumsSamp, place, grid);
+            gatherCoC = max(gatherCoC, BokehFetchGridTexel(GatherCoCSamp, place, grid).rg);
         }
     }
     BokehTileSums targets;
@@ -628,7 +635,7 @@ BokehTileSums BokehLayerCoCAlong(BOKEH_TEXTURE GatherCoCSamp, BOKEH_TEXTURE Sums
     BOKEH_TEXTURE DilatedTilesSamp, vec2 axis, BokehLayerContext layers)
 {
     BokehGrid grid = BokehReducedGrid(layers, 8.0);
-    vec2 tile = BokehFetchGrid(DilatedTilesSamp, layers.uv * grid.size, grid).rg;
+    vec2 tile = BokehFetchGridTexel(DilatedTilesSamp, layers.uv * grid.size, grid).rg;
     vec2 sigma = max(tile * BOKEH_TUNED_COC_SIGMA, vec2(0.6, 0.6));
     float radius = BokehReachTiles(layers);
     vec4 sums = vec4(0.0, 0.0, 0.0, 0.0);
@@ -643,9 +650,9 @@ BokehTileSums BokehLayerCoCAlong(BOKEH_TEXTURE GatherCoCSamp, BOKEH_TEXTURE Sums
         }
         vec2 place = layers.uv * grid.size + axis * tiles;
         vec2 weight = exp(-0.5 * tiles * tiles / (sigma * sigma));
-        sums += BokehFetchGrid(SumsSamp, place, grid) * vec4(weight.x, weight.x, weight.y,
+        sums += BokehFetchGridTexel(SumsSamp, place, grid) * vec4(weight.x, weight.x, weight.y,
             weight.y);
-        gatherCoC = max(gatherCoC, BokehReaching(BokehFetchGrid(GatherCoCSamp, place, grid).rg,
+        gatherCoC = max(gatherCoC, BokehReaching(BokehFetchGridTexel(GatherCoCSamp, place, grid).rg,
             abs(tiles)));
         total += weight;
     }
@@ -683,7 +690,7 @@ BokehLayerCoCTargets BokehLayerCoCColumns(BOKEH_TEXTURE GatherCoCSamp, BOKEH_TEX
     BOKEH_TEXTURE DilatedTilesSamp, BokehLayerContext layers)
 {
     BokehGrid grid = BokehReducedGrid(layers, 8.0);
-    vec2 tile = BokehFetchGrid(DilatedTilesSamp, layers.uv * grid.size, grid).rg;
+    vec2 tile = BokehFetchGridTexel(DilatedTilesSamp, layers.uv * grid.size, grid).rg;
     BokehTileSums tileSums = BokehLayerCoCAlong(GatherCoCSamp, SumsSamp, DilatedTilesSamp, vec2(0.0,
         1.0), layers);
     vec4 sums = tileSums.sums;
@@ -829,7 +836,7 @@ BokehDownsampled BokehDownsample(BOKEH_TEXTURE MapSamp, BOKEH_TEXTURE DilatedTil
         for (int x = 0; x < 4; x++)
         {
             vec2 place = first + vec2(float(x), float(y));
-            vec4 pixel = BokehFetchGrid(MapSamp, place, full);
+            vec4 pixel = BokehFetchGridTexel(MapSamp, place, full);
             float s = pixel.a * full.size.y;
             // a partly near pixel is hardly background, or a near light would shine through itself
             float nearWeight = BokehLayerWeight(-s, nearSlope);
@@ -905,8 +912,8 @@ BokehFilled BokehHoleFill(BOKEH_TEXTURE MidSamp, BOKEH_TEXTURE FarSamp,
     vec2 corner = BokehRotated(polygon.corner, polygon.axis);
     vec2 direction = BokehEdgeDirection(1, polygon);
     vec2 turn = BokehTurn(1.0, polygon);
-    vec4 midColor = BokehFetchGrid(MidSamp, center, grid);
-    vec4 farColor = BokehFetchGrid(FarSamp, center, grid);
+    vec4 midColor = BokehFetchGridTexel(MidSamp, center, grid);
+    vec4 farColor = BokehFetchGridTexel(FarSamp, center, grid);
     vec2 weights = BokehHoleWeights(midColor, farColor, inverseBrightness);
     for (int ring = 0; ring < 3; ring++)
     {
@@ -1052,7 +1059,7 @@ BokehTargets BokehLayerFirst(BOKEH_TEXTURE LayerSamp, BOKEH_TEXTURE QuarterSamp,
     }
     else
     {
-        targets.strip2 = BokehFetchGrid(LayerSamp, center, grid);
+        targets.strip2 = BokehFetchGridTexel(LayerSamp, center, grid);
         targets.strip3 = targets.strip2;
         targets.strip4 = targets.strip2;
         targets.strip5 = targets.strip2;
@@ -1093,7 +1100,7 @@ vec4 BokehLayerSecond(BOKEH_TEXTURE Strip2Samp, BOKEH_TEXTURE Strip3Samp, BOKEH_
     }
     else
     {
-        result = BokehFetchGrid(Strip2Samp, center, grid);
+        result = BokehFetchGridTexel(Strip2Samp, center, grid);
     }
     return result;
 }

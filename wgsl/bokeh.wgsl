@@ -364,21 +364,19 @@ fn BokehPackCoC(color: vec4f, CoC: f32) -> vec4f
         BOKEH_MAX_COLOR), BokehSanitize(color.b, 0.0, BOKEH_MAX_COLOR), CoC);
 }
 
-// Listing 1: returns the sum of the channels of a colour, invalid ones replaced as in the map
+// Listing 1: returns the sum of the channels of a colour; 0 if that is NaN or negative
 fn BokehBrightness(color: vec4f) -> f32
 {
-    let safe: vec4f = BokehPackCoC(color, 0.0);
-    return safe.r + safe.g + safe.b;
+    return BokehSanitize(color.r + color.g + color.b, 0.0, 3.0 * BOKEH_MAX_COLOR);
 }
 
 // Listing 1: returns the brighter of two neighbours of this pixel
 //   brightest     xy = direction of the brightest neighbour so far, pixels; z = its brightness
-//   color         of the next neighbour
+//   brightness    of the next neighbour
 //   direction     of the next neighbour, pixels
-fn BokehBrighter(brightest: vec3f, color: vec4f, direction: vec2f) -> vec3f
+fn BokehBrighter(brightest: vec3f, brightness: f32, direction: vec2f) -> vec3f
 {
     var result: vec3f = brightest;
-    let brightness: f32 = BokehBrightness(color);
     if (brightness > brightest.z)
     {
         result = vec3f(direction, brightness);
@@ -404,13 +402,14 @@ fn BokehBrighter(brightest: vec3f, color: vec4f, direction: vec2f) -> vec3f
 fn BokehLightBeside(color: vec4f, right: vec4f, left: vec4f, below: vec4f, above: vec4f) -> vec4f
 {
     let brightness: f32 = max(BokehBrightness(color), 0.0000001);
-    let darkest: f32 = min(min(BokehBrightness(right), BokehBrightness(left)),
-        min(BokehBrightness(below), BokehBrightness(above)));
+    let beside: vec4f = vec4f(BokehBrightness(right), BokehBrightness(left), BokehBrightness(below),
+        BokehBrightness(above));
+    let darkest: f32 = min(min(beside.x, beside.y), min(beside.z, beside.w));
     var brightest: vec3f = vec3f(0.0, 0.0, brightness);
-    brightest = BokehBrighter(brightest, right, vec2f(1.0, 0.0));
-    brightest = BokehBrighter(brightest, left, vec2f(-1.0, 0.0));
-    brightest = BokehBrighter(brightest, below, vec2f(0.0, 1.0));
-    brightest = BokehBrighter(brightest, above, vec2f(0.0, -1.0));
+    brightest = BokehBrighter(brightest, beside.x, vec2f(1.0, 0.0));
+    brightest = BokehBrighter(brightest, beside.y, vec2f(-1.0, 0.0));
+    brightest = BokehBrighter(brightest, beside.z, vec2f(0.0, 1.0));
+    brightest = BokehBrighter(brightest, beside.w, vec2f(0.0, -1.0));
     let ratio: f32 = brightest.z / brightness;
     let dark: f32 = clamp((ratio - BOKEH_TUNED_LIGHT_START) / (BOKEH_TUNED_LIGHT_FULL -
         BOKEH_TUNED_LIGHT_START), 0.0, 1.0);
@@ -931,7 +930,7 @@ fn BokehExactTarget(k: i32, polygon: BokehPolygon, rays: bool, L1: BokehLine, L2
 fn BokehExactFirst(MapSamp: texture_2d<f32>, uv: vec2f, last: i32, polygon: BokehPolygon,
     settings: BokehSamplingSettings, BokehLinearClamp: sampler) -> BokehTargets
 {
-    let centerPixel: vec4f = BokehFetch(MapSamp, uv, BokehLinearClamp);
+    let centerPixel: vec4f = BokehFetchTexel(MapSamp, BokehToTexture(uv));
     // a hexagon has no edge 4, so a program for that edge needs no code for rays
     var rays: bool = false;
     if (last < 4)
@@ -987,7 +986,7 @@ fn BokehSquareFirst(MapSamp: texture_2d<f32>, uv: vec2f, polygon: BokehPolygon,
 fn BokehSquareSecond(Strip2Samp: texture_2d<f32>, uv: vec2f, polygon: BokehPolygon,
     settings: BokehSamplingSettings, BokehLinearClamp: sampler) -> vec4f
 {
-    let pixel: vec4f = BokehFetch(Strip2Samp, uv, BokehLinearClamp);
+    let pixel: vec4f = BokehFetchTexel(Strip2Samp, BokehToTexture(uv));
     let L2: BokehLine = BokehLineSum(Strip2Samp, uv, 2, polygon, true, false, pixel, settings,
         BokehLinearClamp);
     return BokehResolved(L2.sum, pixel);
@@ -1006,7 +1005,7 @@ fn BokehHexagonFirst(MapSamp: texture_2d<f32>, uv: vec2f, polygon: BokehPolygon,
 fn BokehHexagonSecond(Strip2Samp: texture_2d<f32>, Strip3Samp: texture_2d<f32>, uv: vec2f,
     polygon: BokehPolygon, settings: BokehSamplingSettings, BokehLinearClamp: sampler) -> vec4f
 {
-    let pixel: vec4f = BokehFetch(Strip2Samp, uv, BokehLinearClamp);
+    let pixel: vec4f = BokehFetchTexel(Strip2Samp, BokehToTexture(uv));
     let L2: BokehLine = BokehLineSum(Strip2Samp, uv, 2, polygon, true, true, pixel, settings,
         BokehLinearClamp);
     let L3: BokehLine = BokehLineSum(Strip3Samp, uv, 3, polygon, true, true, pixel, settings,
@@ -1028,7 +1027,7 @@ fn BokehOctagonSecond(Strip2Samp: texture_2d<f32>, Strip3Samp: texture_2d<f32>,
     Strip4Samp: texture_2d<f32>, uv: vec2f, polygon: BokehPolygon, settings: BokehSamplingSettings,
     BokehLinearClamp: sampler) -> vec4f
 {
-    let pixel: vec4f = BokehFetch(Strip2Samp, uv, BokehLinearClamp);
+    let pixel: vec4f = BokehFetchTexel(Strip2Samp, BokehToTexture(uv));
     let L2: BokehLine = BokehLineSum(Strip2Samp, uv, 2, polygon, true, false, pixel, settings,
         BokehLinearClamp);
     let L3: BokehLine = BokehLineSum(Strip3Samp, uv, 3, polygon, true, false, pixel, settings,
@@ -1052,7 +1051,7 @@ fn BokehDecagonSecond(Strip2Samp: texture_2d<f32>, Strip3Samp: texture_2d<f32>,
     Strip4Samp: texture_2d<f32>, Strip5Samp: texture_2d<f32>, uv: vec2f, polygon: BokehPolygon,
     settings: BokehSamplingSettings, BokehLinearClamp: sampler) -> vec4f
 {
-    let pixel: vec4f = BokehFetch(Strip2Samp, uv, BokehLinearClamp);
+    let pixel: vec4f = BokehFetchTexel(Strip2Samp, BokehToTexture(uv));
     let L2: BokehLine = BokehLineSum(Strip2Samp, uv, 2, polygon, true, false, pixel, settings,
         BokehLinearClamp);
     let L3: BokehLine = BokehLineSum(Strip3Samp, uv, 3, polygon, true, false, pixel, settings,

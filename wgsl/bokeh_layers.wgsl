@@ -237,6 +237,13 @@ fn BokehFetchGrid(tex: texture_2d<f32>, place: vec2f, grid: BokehGrid,
     return BokehFetchTexture(tex, BokehGridCoords(place, grid), BokehLinearClamp);
 }
 
+// Layers: fetches one texel, whatever filter the texture has
+//   place         its centre, texels of the grid
+fn BokehFetchGridTexel(tex: texture_2d<f32>, place: vec2f, grid: BokehGrid) -> vec4f
+{
+    return BokehFetchTexel(tex, BokehGridCoords(place, grid));
+}
+
 // Layers: fetches with the filter at an offset from the middle of a pixel
 //   It divides, because grid.texel is rounded: in the middle of a dark texel, that error would show
 //   0.00001 of a light beside it.
@@ -300,8 +307,7 @@ fn BokehLayerWeight(CoC: f32, slope: f32) -> f32
 //   the brightness to know what is bright: relative to the mean, so exposure does not change the
 //   blur.
 //   returns       r = near, g = far, both >= 0, pixels; b = mean log2 of brightness
-fn BokehTileMax(MapSamp: texture_2d<f32>, layers: BokehLayerContext,
-    BokehLinearClamp: sampler) -> vec4f
+fn BokehTileMax(MapSamp: texture_2d<f32>, layers: BokehLayerContext) -> vec4f
 {
     let first: vec2f = floor(layers.uv * ceil(layers.size / 8.0)) * 8.0 + vec2f(0.5, 0.5);
     var found: vec3f = vec3f(0.0, 0.0, 0.0);
@@ -310,8 +316,7 @@ fn BokehTileMax(MapSamp: texture_2d<f32>, layers: BokehLayerContext,
         for (var x: i32 = 0; x < 8; x++)
         {
             let place: vec2f = first + vec2f(f32(x), f32(y));
-            let pixel: vec4f = BokehFetchGrid(MapSamp, place, BokehFullGrid(layers),
-                BokehLinearClamp);
+            let pixel: vec4f = BokehFetchGridTexel(MapSamp, place, BokehFullGrid(layers));
             let s: f32 = pixel.a * layers.size.y;
             let logBrightness: f32 = log2(max(BokehBrightest(pixel.rgb), BOKEH_MIN_BRIGHTNESS));
             found = vec3f(max(found.r, -s), max(found.g, s), found.b + logBrightness);
@@ -343,8 +348,7 @@ fn BokehReachTiles(layers: BokehLayerContext) -> f32
 //      . . K . .   -->  K K K K K      if a CoC of K reaches two tiles in each direction
 //   axis          (1, 0), then (0, 1)
 //   returns       r = near, g = far, pixels; b = mean log2 of brightness of the tiles around
-fn BokehTileDilate(TilesSamp: texture_2d<f32>, axis: vec2f, layers: BokehLayerContext,
-    BokehLinearClamp: sampler) -> vec4f
+fn BokehTileDilate(TilesSamp: texture_2d<f32>, axis: vec2f, layers: BokehLayerContext) -> vec4f
 {
     let grid: BokehGrid = BokehReducedGrid(layers, 8.0);
     let radius: f32 = BokehReachTiles(layers);
@@ -357,8 +361,8 @@ fn BokehTileDilate(TilesSamp: texture_2d<f32>, axis: vec2f, layers: BokehLayerCo
         {
             break;
         }
-        let tile: vec4f = BokehFetchGrid(TilesSamp, layers.uv * grid.size + axis * tiles, grid,
-            BokehLinearClamp);
+        let tile: vec4f = BokehFetchGridTexel(TilesSamp, layers.uv * grid.size + axis * tiles,
+            grid);
         found = max(found, BokehReaching(tile.rg, abs(tiles)));
         logBrightness += tile.b;
     }
@@ -439,7 +443,7 @@ fn BokehNearPixel(pixel: vec4f, nearWeight: f32, around: vec4f) -> vec4f
 //   tile          texel of dilatedTiles that covers them
 //   returns       their mean, and the maximum for gatherCoC
 fn BokehPrefilterBlock(MapSamp: texture_2d<f32>, middle: vec2f, tile: vec4f,
-    layers: BokehLayerContext, BokehLinearClamp: sampler) -> BokehPrefiltered
+    layers: BokehLayerContext) -> BokehPrefiltered
 {
     let full: BokehGrid = BokehFullGrid(layers);
     let nearSlope: f32 = BokehNearSlope(tile.r);
@@ -447,10 +451,10 @@ fn BokehPrefilterBlock(MapSamp: texture_2d<f32>, middle: vec2f, tile: vec4f,
     let inverseBrightness: f32 = exp2(-tile.b);
     let maxWeight: f32 = 500000.0 / max(layers.largest, 50.0);
     // the four pixels
-    var a: vec4f = BokehFetchGrid(MapSamp, middle + vec2f(-0.5, -0.5), full, BokehLinearClamp);
-    var b: vec4f = BokehFetchGrid(MapSamp, middle + vec2f(0.5, -0.5), full, BokehLinearClamp);
-    var c: vec4f = BokehFetchGrid(MapSamp, middle + vec2f(-0.5, 0.5), full, BokehLinearClamp);
-    var d: vec4f = BokehFetchGrid(MapSamp, middle + vec2f(0.5, 0.5), full, BokehLinearClamp);
+    var a: vec4f = BokehFetchGridTexel(MapSamp, middle + vec2f(-0.5, -0.5), full);
+    var b: vec4f = BokehFetchGridTexel(MapSamp, middle + vec2f(0.5, -0.5), full);
+    var c: vec4f = BokehFetchGridTexel(MapSamp, middle + vec2f(-0.5, 0.5), full);
+    var d: vec4f = BokehFetchGridTexel(MapSamp, middle + vec2f(0.5, 0.5), full);
     let s: vec4f = vec4f(a.a, b.a, c.a, d.a) * full.size.y;
     let nearWeights: vec4f = BokehLayerWeights(-s, nearSlope);
     let farWeights: vec4f = BokehLayerWeights(s, farSlope);
@@ -483,8 +487,7 @@ fn BokehPrefilterBlock(MapSamp: texture_2d<f32>, middle: vec2f, tile: vec4f,
                 // of the twelve pixels around the block, take four, one on each side
                 if ((abs(offset.x) - abs(offset.y)) * offset.x * offset.y > 0.5)
                 {
-                    let pixel: vec4f = BokehFetchGrid(MapSamp, middle + offset, full,
-                        BokehLinearClamp);
+                    let pixel: vec4f = BokehFetchGridTexel(MapSamp, middle + offset, full);
                     around = BokehSurroundings(around, pixel, BokehLayerWeight(-pixel.a *
                         full.size.y, nearSlope), maxNearWeight);
                 }
@@ -524,7 +527,7 @@ fn BokehPrefilter(MapSamp: texture_2d<f32>, DilatedTilesSamp: texture_2d<f32>,
         BokehLinearClamp);
     let first: vec2f = center + (1.0 - 0.5 * f32(BOKEH_LAYER_SCALE));
     var targets: BokehPrefiltered = BokehPrefilterBlock(MapSamp, first, tile,
-        layers, BokehLinearClamp);
+        layers);
     if (BOKEH_LAYER_SCALE > 2)
     {
         // a texel covers 4 x 4 pixels, which are three more blocks
@@ -533,7 +536,7 @@ fn BokehPrefilter(MapSamp: texture_2d<f32>, DilatedTilesSamp: texture_2d<f32>,
             let row: f32 = floor(0.5 * f32(i));
             let middle: vec2f = first + 2.0 * vec2f(f32(i) - 2.0 * row, row);
             let block: BokehPrefiltered = BokehPrefilterBlock(MapSamp, middle, tile,
-                layers, BokehLinearClamp);
+                layers);
             targets.nearLayer += block.nearLayer;
             targets.farLayer += block.farLayer;
             targets.layerCoCSums += block.layerCoCSums;
@@ -559,7 +562,7 @@ struct BokehTileSums
 //   Reads both at half size, writes the mean of the first and the maximum of the second for each
 //   tile, so that the two passes after it have few texels to read.
 fn BokehLayerCoCReduce(SumsSamp: texture_2d<f32>, GatherCoCSamp: texture_2d<f32>,
-    layers: BokehLayerContext, BokehLinearClamp: sampler) -> BokehTileSums
+    layers: BokehLayerContext) -> BokehTileSums
 {
     let grid: BokehGrid = BokehLayerGrid(layers);
     // along a tile
@@ -572,9 +575,8 @@ fn BokehLayerCoCReduce(SumsSamp: texture_2d<f32>, GatherCoCSamp: texture_2d<f32>
         for (var x: i32 = 0; x < texels; x++)
         {
             let place: vec2f = first + vec2f(f32(x), f32(y));
-            sums += BokehFetchGrid(SumsSamp, place, grid, BokehLinearClamp);
-            gatherCoC = max(gatherCoC, BokehFetchGrid(GatherCoCSamp, place, grid,
-                BokehLinearClamp).rg);
+            sums += BokehFetchGridTexel(SumsSamp, place, grid);
+            gatherCoC = max(gatherCoC, BokehFetchGridTexel(GatherCoCSamp, place, grid).rg);
         }
     }
     var targets: BokehTileSums;
@@ -586,12 +588,10 @@ fn BokehLayerCoCReduce(SumsSamp: texture_2d<f32>, GatherCoCSamp: texture_2d<f32>
 // Layers: does the work of BokehLayerCoCRows along any axis
 //   axis          (1, 0) or (0, 1)
 fn BokehLayerCoCAlong(GatherCoCSamp: texture_2d<f32>, SumsSamp: texture_2d<f32>,
-    DilatedTilesSamp: texture_2d<f32>, axis: vec2f, layers: BokehLayerContext,
-    BokehLinearClamp: sampler) -> BokehTileSums
+    DilatedTilesSamp: texture_2d<f32>, axis: vec2f, layers: BokehLayerContext) -> BokehTileSums
 {
     let grid: BokehGrid = BokehReducedGrid(layers, 8.0);
-    let tile: vec2f = BokehFetchGrid(DilatedTilesSamp, layers.uv * grid.size, grid,
-        BokehLinearClamp).rg;
+    let tile: vec2f = BokehFetchGridTexel(DilatedTilesSamp, layers.uv * grid.size, grid).rg;
     let sigma: vec2f = max(tile * BOKEH_TUNED_COC_SIGMA, vec2f(0.6, 0.6));
     let radius: f32 = BokehReachTiles(layers);
     var sums: vec4f = vec4f(0.0, 0.0, 0.0, 0.0);
@@ -606,10 +606,10 @@ fn BokehLayerCoCAlong(GatherCoCSamp: texture_2d<f32>, SumsSamp: texture_2d<f32>,
         }
         let place: vec2f = layers.uv * grid.size + axis * tiles;
         let weight: vec2f = exp(-0.5 * tiles * tiles / (sigma * sigma));
-        sums += BokehFetchGrid(SumsSamp, place, grid, BokehLinearClamp) * vec4f(weight.x, weight.x,
+        sums += BokehFetchGridTexel(SumsSamp, place, grid) * vec4f(weight.x, weight.x,
             weight.y, weight.y);
-        gatherCoC = max(gatherCoC, BokehReaching(BokehFetchGrid(GatherCoCSamp, place, grid,
-            BokehLinearClamp).rg, abs(tiles)));
+        gatherCoC = max(gatherCoC, BokehReaching(BokehFetchGridTexel(GatherCoCSamp, place,
+            grid).rg, abs(tiles)));
         total += weight;
     }
     var targets: BokehTileSums;
@@ -623,11 +623,9 @@ fn BokehLayerCoCAlong(GatherCoCSamp: texture_2d<f32>, SumsSamp: texture_2d<f32>,
 //   reaches each tile, and a mean of the sums by a Gaussian with a standard deviation of 0.3 of the
 //   CoC in reach.
 fn BokehLayerCoCRows(GatherCoCSamp: texture_2d<f32>, SumsSamp: texture_2d<f32>,
-    DilatedTilesSamp: texture_2d<f32>, layers: BokehLayerContext,
-    BokehLinearClamp: sampler) -> BokehTileSums
+    DilatedTilesSamp: texture_2d<f32>, layers: BokehLayerContext) -> BokehTileSums
 {
-    return BokehLayerCoCAlong(GatherCoCSamp, SumsSamp, DilatedTilesSamp, vec2f(1.0, 0.0), layers,
-        BokehLinearClamp);
+    return BokehLayerCoCAlong(GatherCoCSamp, SumsSamp, DilatedTilesSamp, vec2f(1.0, 0.0), layers);
 }
 
 // Layers: holds what BokehLayerCoCColumns writes
@@ -645,14 +643,12 @@ struct BokehLayerCoCTargets
 //   layerCoC for the passes that blur the layers: a blur can be separated into two passes only
 //   where all pixels around use one CoC.
 fn BokehLayerCoCColumns(GatherCoCSamp: texture_2d<f32>, SumsSamp: texture_2d<f32>,
-    DilatedTilesSamp: texture_2d<f32>, layers: BokehLayerContext,
-        BokehLinearClamp: sampler) -> BokehLayerCoCTargets
+    DilatedTilesSamp: texture_2d<f32>, layers: BokehLayerContext) -> BokehLayerCoCTargets
 {
     let grid: BokehGrid = BokehReducedGrid(layers, 8.0);
-    let tile: vec2f = BokehFetchGrid(DilatedTilesSamp, layers.uv * grid.size, grid,
-        BokehLinearClamp).rg;
+    let tile: vec2f = BokehFetchGridTexel(DilatedTilesSamp, layers.uv * grid.size, grid).rg;
     let tileSums: BokehTileSums = BokehLayerCoCAlong(GatherCoCSamp, SumsSamp, DilatedTilesSamp,
-        vec2f(0.0, 1.0), layers, BokehLinearClamp);
+        vec2f(0.0, 1.0), layers);
     let sums: vec4f = tileSums.sums;
     var layerCoC: vec2f = vec2f(0.0, 0.0);
     if (sums.g > 0.0001 && tile.r > BOKEH_TUNED_NEAR_START)
@@ -799,7 +795,7 @@ fn BokehDownsample(MapSamp: texture_2d<f32>, DilatedTilesSamp: texture_2d<f32>,
         for (var x: i32 = 0; x < 4; x++)
         {
             let place: vec2f = first + vec2f(f32(x), f32(y));
-            let pixel: vec4f = BokehFetchGrid(MapSamp, place, full, BokehLinearClamp);
+            let pixel: vec4f = BokehFetchGridTexel(MapSamp, place, full);
             let s: f32 = pixel.a * full.size.y;
             // a partly near pixel is hardly background, or a near light would shine through itself
             let nearWeight: f32 = BokehLayerWeight(-s, nearSlope);
@@ -879,8 +875,8 @@ fn BokehHoleFill(MidSamp: texture_2d<f32>, FarSamp: texture_2d<f32>,
     var corner: vec2f = BokehRotated(polygon.corner, polygon.axis);
     var direction: vec2f = BokehEdgeDirection(1, polygon);
     let turn: vec2f = BokehTurn(1.0, polygon);
-    var midColor: vec4f = BokehFetchGrid(MidSamp, center, grid, BokehLinearClamp);
-    var farColor: vec4f = BokehFetchGrid(FarSamp, center, grid, BokehLinearClamp);
+    var midColor: vec4f = BokehFetchGridTexel(MidSamp, center, grid);
+    var farColor: vec4f = BokehFetchGridTexel(FarSamp, center, grid);
     var weights: vec2f = BokehHoleWeights(midColor, farColor, inverseBrightness);
     for (var ring: i32 = 0; ring < 3; ring++)
     {
@@ -1033,7 +1029,7 @@ fn BokehLayerFirst(LayerSamp: texture_2d<f32>, QuarterSamp: texture_2d<f32>, lay
     }
     else
     {
-        targets.strip2 = BokehFetchGrid(LayerSamp, center, grid, BokehLinearClamp);
+        targets.strip2 = BokehFetchGridTexel(LayerSamp, center, grid);
         targets.strip3 = targets.strip2;
         targets.strip4 = targets.strip2;
         targets.strip5 = targets.strip2;
@@ -1078,7 +1074,7 @@ fn BokehLayerSecond(Strip2Samp: texture_2d<f32>, Strip3Samp: texture_2d<f32>,
     }
     else
     {
-        result = BokehFetchGrid(Strip2Samp, center, grid, BokehLinearClamp);
+        result = BokehFetchGridTexel(Strip2Samp, center, grid);
     }
     return result;
 }

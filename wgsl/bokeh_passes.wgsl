@@ -569,13 +569,13 @@ fn BokehBothResults(uv: vec2f, NearStrip3Samp: texture_2d<f32>, FarStrip3Samp: t
 
 @fragment fn BokehTileMax_PS(input: BokehVertex) -> @location(0) vec4f
 {
-    return BokehTileMax(BokehColorSamp, BokehBeginTiles(input.uv), BokehLinearClamp);
+    return BokehTileMax(BokehColorSamp, BokehBeginTiles(input.uv));
 }
 
 @fragment fn BokehTileDilate_PS(input: BokehVertex) -> @location(0) vec4f
 {
     let axis: vec2f = vec2f(1.0 - bokehParameters.BokehAxis, bokehParameters.BokehAxis);
-    return BokehTileDilate(BokehColorSamp, axis, BokehBeginTiles(input.uv), BokehLinearClamp);
+    return BokehTileDilate(BokehColorSamp, axis, BokehBeginTiles(input.uv));
 }
 
 @fragment fn BokehPrefilter_PS(input: BokehVertex) -> BokehTargets4
@@ -589,21 +589,21 @@ fn BokehBothResults(uv: vec2f, NearStrip3Samp: texture_2d<f32>, FarStrip3Samp: t
 @fragment fn BokehLayerCoCReduce_PS(input: BokehVertex) -> BokehTargets2
 {
     let targets: BokehTileSums = BokehLayerCoCReduce(BokehColorSamp, BokehColorSampB,
-        BokehBeginTiles(input.uv), BokehLinearClamp);
+        BokehBeginTiles(input.uv));
     return BokehTargets2(targets.gatherCoC, targets.sums);
 }
 
 @fragment fn BokehLayerCoCRows_PS(input: BokehVertex) -> BokehTargets2
 {
     let targets: BokehTileSums = BokehLayerCoCRows(BokehColorSamp, BokehColorSampB, BokehColorSampC,
-        BokehBeginTiles(input.uv), BokehLinearClamp);
+        BokehBeginTiles(input.uv));
     return BokehTargets2(targets.gatherCoC, targets.sums);
 }
 
 @fragment fn BokehLayerCoCColumns_PS(input: BokehVertex) -> BokehTargets2
 {
     let targets: BokehLayerCoCTargets = BokehLayerCoCColumns(BokehColorSamp, BokehColorSampB,
-        BokehColorSampC, BokehBeginTiles(input.uv), BokehLinearClamp);
+        BokehColorSampC, BokehBeginTiles(input.uv));
     return BokehTargets2(targets.gatherTiles, targets.layerCoC);
 }
 
@@ -688,21 +688,21 @@ fn BokehBothResults(uv: vec2f, NearStrip3Samp: texture_2d<f32>, FarStrip3Samp: t
 @fragment fn BokehLayerCoCReduceOne_PS(input: BokehVertex) -> @location(0) vec4f
 {
     let targets: BokehTileSums = BokehLayerCoCReduce(BokehColorSamp, BokehColorSampB,
-        BokehBeginTiles(input.uv), BokehLinearClamp);
+        BokehBeginTiles(input.uv));
     return BokehSelectTarget(targets.gatherCoC, targets.sums, targets.sums, targets.sums);
 }
 
 @fragment fn BokehLayerCoCRowsOne_PS(input: BokehVertex) -> @location(0) vec4f
 {
     let targets: BokehTileSums = BokehLayerCoCRows(BokehColorSamp, BokehColorSampB, BokehColorSampC,
-        BokehBeginTiles(input.uv), BokehLinearClamp);
+        BokehBeginTiles(input.uv));
     return BokehSelectTarget(targets.gatherCoC, targets.sums, targets.sums, targets.sums);
 }
 
 @fragment fn BokehLayerCoCColumnsOne_PS(input: BokehVertex) -> @location(0) vec4f
 {
     let targets: BokehLayerCoCTargets = BokehLayerCoCColumns(BokehColorSamp, BokehColorSampB,
-        BokehColorSampC, BokehBeginTiles(input.uv), BokehLinearClamp);
+        BokehColorSampC, BokehBeginTiles(input.uv));
     return BokehSelectTarget(targets.gatherTiles, targets.layerCoC, targets.layerCoC,
         targets.layerCoC);
 }

@@ -164,22 +164,21 @@ return BokehSanitize(depth,BOKEH_MIN_DEPTH,BOKEH_MAX_DEPTH);}
 vec4 BokehPackCoC(vec4 color,float CoC){
 return vec4(BokehSanitize(color.r,0.,BOKEH_MAX_COLOR),BokehSanitize(color.g,0.,BOKEH_MAX_COLOR),BokehSanitize(color.b,0.,BOKEH_MAX_COLOR),CoC);}
 float BokehBrightness(vec4 color){
-vec4 safe=BokehPackCoC(color,0.);
-return safe.r+safe.g+safe.b;}
-vec3 BokehBrighter(vec3 brightest,vec4 color,vec2 direction){
+return BokehSanitize(color.r+color.g+color.b,0.,3.*BOKEH_MAX_COLOR);}
+vec3 BokehBrighter(vec3 brightest,float brightness,vec2 direction){
 vec3 result=brightest;
-float brightness=BokehBrightness(color);
 if(brightness>brightest.z){
 result=vec3(direction,brightness);}
 return result;}
 vec4 BokehLightBeside(vec4 color,vec4 right,vec4 left,vec4 below,vec4 above){
 float brightness=max(BokehBrightness(color),.0000001);
-float darkest=min(min(BokehBrightness(right),BokehBrightness(left)),min(BokehBrightness(below),BokehBrightness(above)));
+vec4 beside=vec4(BokehBrightness(right),BokehBrightness(left),BokehBrightness(below),BokehBrightness(above));
+float darkest=min(min(beside.x,beside.y),min(beside.z,beside.w));
 vec3 brightest=vec3(0.,0.,brightness);
-brightest=BokehBrighter(brightest,right,vec2(1.,0.));
-brightest=BokehBrighter(brightest,left,vec2(-1.,0.));
-brightest=BokehBrighter(brightest,below,vec2(0.,1.));
-brightest=BokehBrighter(brightest,above,vec2(0.,-1.));
+brightest=BokehBrighter(brightest,beside.x,vec2(1.,0.));
+brightest=BokehBrighter(brightest,beside.y,vec2(-1.,0.));
+brightest=BokehBrighter(brightest,beside.z,vec2(0.,1.));
+brightest=BokehBrighter(brightest,beside.w,vec2(0.,-1.));
 float ratio=brightest.z/brightness;
 float dark=clamp((ratio-4.)/(8. -4.),0.,1.);
 float overDarkest=1./max(darkest,.0000001);
@@ -389,7 +388,7 @@ float reached=dot(vec4(L1.reached,L2.reached,L3.reached,L4.reached),weights);
 result=vec4(result.rgb,result.a*min(reached/gathered*1.001,1.));}
 return result;}
 BokehTargets BokehExactFirst(BOKEH_TEXTURE MapSamp,vec2 uv,int last,BokehPolygon polygon,BokehSamplingSettings settings){
-vec4 centerPixel=BokehFetch(MapSamp,uv);
+vec4 centerPixel=BokehFetchTexel(MapSamp,BokehToTexture(uv));
 bool rays=false;
 if(last<4){
 rays=polygon.sides==6;}
@@ -414,20 +413,20 @@ return targets;}
 BokehTargets BokehSquareFirst(BOKEH_TEXTURE MapSamp,vec2 uv,BokehPolygon polygon,BokehSamplingSettings settings){
 return BokehExactFirst(MapSamp,uv,2,polygon,settings);}
 vec4 BokehSquareSecond(BOKEH_TEXTURE Strip2Samp,vec2 uv,BokehPolygon polygon,BokehSamplingSettings settings){
-vec4 pixel=BokehFetch(Strip2Samp,uv);
+vec4 pixel=BokehFetchTexel(Strip2Samp,BokehToTexture(uv));
 BokehLine L2=BokehLineSum(Strip2Samp,uv,2,polygon,true,false,pixel,settings);
 return BokehResolved(L2.sum,pixel);}
 BokehTargets BokehHexagonFirst(BOKEH_TEXTURE MapSamp,vec2 uv,BokehPolygon polygon,BokehSamplingSettings settings){
 return BokehExactFirst(MapSamp,uv,3,polygon,settings);}
 vec4 BokehHexagonSecond(BOKEH_TEXTURE Strip2Samp,BOKEH_TEXTURE Strip3Samp,vec2 uv,BokehPolygon polygon,BokehSamplingSettings settings){
-vec4 pixel=BokehFetch(Strip2Samp,uv);
+vec4 pixel=BokehFetchTexel(Strip2Samp,BokehToTexture(uv));
 BokehLine L2=BokehLineSum(Strip2Samp,uv,2,polygon,true,true,pixel,settings);
 BokehLine L3=BokehLineSum(Strip3Samp,uv,3,polygon,true,true,pixel,settings);
 return BokehResolved(L2.sum+L3.sum,pixel);}
 BokehTargets BokehOctagonFirst(BOKEH_TEXTURE MapSamp,vec2 uv,BokehPolygon polygon,BokehSamplingSettings settings){
 return BokehExactFirst(MapSamp,uv,4,polygon,settings);}
 vec4 BokehOctagonSecond(BOKEH_TEXTURE Strip2Samp,BOKEH_TEXTURE Strip3Samp,BOKEH_TEXTURE Strip4Samp,vec2 uv,BokehPolygon polygon,BokehSamplingSettings settings){
-vec4 pixel=BokehFetch(Strip2Samp,uv);
+vec4 pixel=BokehFetchTexel(Strip2Samp,BokehToTexture(uv));
 BokehLine L2=BokehLineSum(Strip2Samp,uv,2,polygon,true,false,pixel,settings);
 BokehLine L3=BokehLineSum(Strip3Samp,uv,3,polygon,true,false,pixel,settings);
 BokehLine L4=BokehLineSum(Strip4Samp,uv,4,polygon,true,false,pixel,settings);
@@ -435,7 +434,7 @@ return BokehResolved(L2.sum+L3.sum+L4.sum,pixel);}
 BokehTargets BokehDecagonFirst(BOKEH_TEXTURE MapSamp,vec2 uv,BokehPolygon polygon,BokehSamplingSettings settings){
 return BokehExactFirst(MapSamp,uv,5,polygon,settings);}
 vec4 BokehDecagonSecond(BOKEH_TEXTURE Strip2Samp,BOKEH_TEXTURE Strip3Samp,BOKEH_TEXTURE Strip4Samp,BOKEH_TEXTURE Strip5Samp,vec2 uv,BokehPolygon polygon,BokehSamplingSettings settings){
-vec4 pixel=BokehFetch(Strip2Samp,uv);
+vec4 pixel=BokehFetchTexel(Strip2Samp,BokehToTexture(uv));
 BokehLine L2=BokehLineSum(Strip2Samp,uv,2,polygon,true,false,pixel,settings);
 BokehLine L3=BokehLineSum(Strip3Samp,uv,3,polygon,true,false,pixel,settings);
 BokehLine L4=BokehLineSum(Strip4Samp,uv,4,polygon,true,false,pixel,settings);
@@ -661,6 +660,8 @@ coords=grid.origin+clamp(place,inset,grid.size-inset);}
 return coords*grid.texel;}
 vec4 BokehFetchGrid(BOKEH_TEXTURE tex,vec2 place,BokehGrid grid){
 return BokehFetchTexture(tex,BokehGridCoords(place,grid));}
+vec4 BokehFetchGridTexel(BOKEH_TEXTURE tex,vec2 place,BokehGrid grid){
+return BokehFetchTexel(tex,BokehGridCoords(place,grid));}
 vec4 BokehFetchAround(BOKEH_TEXTURE tex,vec2 center,vec2 offset,BokehGrid grid){
 vec2 coords=(center+offset)/grid.size;
 if(BOKEH_VIEWPORT>0){
@@ -683,7 +684,7 @@ vec3 found=vec3(0.);
 for(int y=0;y<8;y++){
 for(int x=0;x<8;x++){
 vec2 place=first+vec2(float(x),float(y));
-vec4 pixel=BokehFetchGrid(MapSamp,place,BokehFullGrid(layers));
+vec4 pixel=BokehFetchGridTexel(MapSamp,place,BokehFullGrid(layers));
 float s=pixel.a*layers.size.y;
 float logBrightness=log2(max(BokehBrightest(pixel.rgb),BOKEH_MIN_BRIGHTNESS));
 found=vec3(max(found.r,-s),max(found.g,s),found.b+logBrightness);}}
@@ -702,7 +703,7 @@ for(int i=0;i<255;i++){
 float tiles=float(i)-radius;
 if(tiles>radius){
 break;}
-vec4 tile=BokehFetchGrid(TilesSamp,layers.uv*grid.size+axis*tiles,grid);
+vec4 tile=BokehFetchGridTexel(TilesSamp,layers.uv*grid.size+axis*tiles,grid);
 found=max(found,BokehReaching(tile.rg,abs(tiles)));
 logBrightness+=tile.b;}
 return vec4(found,logBrightness/(2.*radius+1.),1.);}
@@ -737,10 +738,10 @@ float nearSlope=BokehNearSlope(tile.r);
 float farSlope=BokehFarSlope(tile.g);
 float inverseBrightness=exp2(-tile.b);
 float maxWeight=500000./max(layers.largest,50.);
-vec4 a=BokehFetchGrid(MapSamp,middle+vec2(-.5,-.5),full);
-vec4 b=BokehFetchGrid(MapSamp,middle+vec2(.5,-.5),full);
-vec4 c=BokehFetchGrid(MapSamp,middle+vec2(-.5,.5),full);
-vec4 d=BokehFetchGrid(MapSamp,middle+vec2(.5),full);
+vec4 a=BokehFetchGridTexel(MapSamp,middle+vec2(-.5,-.5),full);
+vec4 b=BokehFetchGridTexel(MapSamp,middle+vec2(.5,-.5),full);
+vec4 c=BokehFetchGridTexel(MapSamp,middle+vec2(-.5,.5),full);
+vec4 d=BokehFetchGridTexel(MapSamp,middle+vec2(.5),full);
 vec4 s=vec4(a.a,b.a,c.a,d.a)*full.size.y;
 vec4 nearWeights=BokehLayerWeights(-s,nearSlope);
 vec4 farWeights=BokehLayerWeights(s,farSlope);
@@ -763,7 +764,7 @@ for(int y=0;y<4;y++){
 for(int x=0;x<4;x++){
 vec2 offset=vec2(float(x)-1.5,float(y)-1.5);
 if((abs(offset.x)-abs(offset.y))*offset.x*offset.y>.5){
-vec4 pixel=BokehFetchGrid(MapSamp,middle+offset,full);
+vec4 pixel=BokehFetchGridTexel(MapSamp,middle+offset,full);
 around=BokehSurroundings(around,pixel,BokehLayerWeight(-pixel.a*full.size.y,nearSlope),maxNearWeight);}}}
 a=BokehNearPixel(a,nearWeights.x,around);
 b=BokehNearPixel(b,nearWeights.y,around);
@@ -811,15 +812,15 @@ vec2 gatherCoC=vec2(0.);
 for(int y=0;y<texels;y++){
 for(int x=0;x<texels;x++){
 vec2 place=first+vec2(float(x),float(y));
-sums+=BokehFetchGrid(SumsSamp,place,grid);
-gatherCoC=max(gatherCoC,BokehFetchGrid(GatherCoCSamp,place,grid).rg);}}
+sums+=BokehFetchGridTexel(SumsSamp,place,grid);
+gatherCoC=max(gatherCoC,BokehFetchGridTexel(GatherCoCSamp,place,grid).rg);}}
 BokehTileSums targets;
 targets.gatherCoC=vec4(gatherCoC,0.,1.);
 targets.sums=sums/float(texels*texels);
 return targets;}
 BokehTileSums BokehLayerCoCAlong(BOKEH_TEXTURE GatherCoCSamp,BOKEH_TEXTURE SumsSamp,BOKEH_TEXTURE DilatedTilesSamp,vec2 axis,BokehLayerContext layers){
 BokehGrid grid=BokehReducedGrid(layers,8.);
-vec2 tile=BokehFetchGrid(DilatedTilesSamp,layers.uv*grid.size,grid).rg;
+vec2 tile=BokehFetchGridTexel(DilatedTilesSamp,layers.uv*grid.size,grid).rg;
 vec2 sigma=max(tile*.0375,vec2(.6));
 float radius=BokehReachTiles(layers);
 vec4 sums=vec4(0.);
@@ -831,8 +832,8 @@ if(tiles>radius){
 break;}
 vec2 place=layers.uv*grid.size+axis*tiles;
 vec2 weight=exp(-.5*tiles*tiles/(sigma*sigma));
-sums+=BokehFetchGrid(SumsSamp,place,grid)*vec4(weight.x,weight.x,weight.y,weight.y);
-gatherCoC=max(gatherCoC,BokehReaching(BokehFetchGrid(GatherCoCSamp,place,grid).rg,abs(tiles)));
+sums+=BokehFetchGridTexel(SumsSamp,place,grid)*vec4(weight.x,weight.x,weight.y,weight.y);
+gatherCoC=max(gatherCoC,BokehReaching(BokehFetchGridTexel(GatherCoCSamp,place,grid).rg,abs(tiles)));
 total+=weight;}
 BokehTileSums targets;
 targets.gatherCoC=vec4(gatherCoC,0.,1.);
@@ -846,7 +847,7 @@ vec4 layerCoC;
 };
 BokehLayerCoCTargets BokehLayerCoCColumns(BOKEH_TEXTURE GatherCoCSamp,BOKEH_TEXTURE SumsSamp,BOKEH_TEXTURE DilatedTilesSamp,BokehLayerContext layers){
 BokehGrid grid=BokehReducedGrid(layers,8.);
-vec2 tile=BokehFetchGrid(DilatedTilesSamp,layers.uv*grid.size,grid).rg;
+vec2 tile=BokehFetchGridTexel(DilatedTilesSamp,layers.uv*grid.size,grid).rg;
 BokehTileSums tileSums=BokehLayerCoCAlong(GatherCoCSamp,SumsSamp,DilatedTilesSamp,vec2(0.,1.),layers);
 vec4 sums=tileSums.sums;
 vec2 layerCoC=vec2(0.);
@@ -922,7 +923,7 @@ vec4 farColor=vec4(0.);
 for(int y=0;y<4;y++){
 for(int x=0;x<4;x++){
 vec2 place=first+vec2(float(x),float(y));
-vec4 pixel=BokehFetchGrid(MapSamp,place,full);
+vec4 pixel=BokehFetchGridTexel(MapSamp,place,full);
 float s=pixel.a*full.size.y;
 float nearWeight=BokehLayerWeight(-s,nearSlope);
 float notNear=max(1.-2.*nearWeight,.0625-.0625*nearWeight);
@@ -960,8 +961,8 @@ float inverseBrightness=exp2(-tile.b);
 vec2 corner=BokehRotated(polygon.corner,polygon.axis);
 vec2 direction=BokehEdgeDirection(1,polygon);
 vec2 turn=BokehTurn(1.,polygon);
-vec4 midColor=BokehFetchGrid(MidSamp,center,grid);
-vec4 farColor=BokehFetchGrid(FarSamp,center,grid);
+vec4 midColor=BokehFetchGridTexel(MidSamp,center,grid);
+vec4 farColor=BokehFetchGridTexel(FarSamp,center,grid);
 vec2 weights=BokehHoleWeights(midColor,farColor,inverseBrightness);
 for(int ring=0;ring<3;ring++){
 if(nearCoC<6.){
@@ -1041,7 +1042,7 @@ targets.strip3=BokehLayerTarget(3,polygon,L1,L2,zero,zero);
 targets.strip4=BokehLayerTarget(4,polygon,L1,L2,L3,zero);
 targets.strip5=BokehLayerTarget(5,polygon,L1,L2,L3,L4);}
 else{
-targets.strip2=BokehFetchGrid(LayerSamp,center,grid);
+targets.strip2=BokehFetchGridTexel(LayerSamp,center,grid);
 targets.strip3=targets.strip2;
 targets.strip4=targets.strip2;
 targets.strip5=targets.strip2;}
@@ -1062,7 +1063,7 @@ if(polygon.sides>8){
 result+=BokehLayerLine(Strip5Samp,Strip5Samp,5,polygon,true,blur,layers);}
 result=result/polygon.area;}
 else{
-result=BokehFetchGrid(Strip2Samp,center,grid);}
+result=BokehFetchGridTexel(Strip2Samp,center,grid);}
 return result;}
 struct BokehLayersTargets{
 vec4 nearStrip2;
@@ -1506,22 +1507,21 @@ return BokehSanitize(depth,BOKEH_MIN_DEPTH,BOKEH_MAX_DEPTH);}
 fn BokehPackCoC(color:vec4f,CoC:f32)->vec4f{
 return vec4f(BokehSanitize(color.r,0.,BOKEH_MAX_COLOR),BokehSanitize(color.g,0.,BOKEH_MAX_COLOR),BokehSanitize(color.b,0.,BOKEH_MAX_COLOR),CoC);}
 fn BokehBrightness(color:vec4f)->f32{
-let safe=BokehPackCoC(color,0.);
-return safe.r+safe.g+safe.b;}
-fn BokehBrighter(brightest:vec3f,color:vec4f,direction:vec2f)->vec3f{
+return BokehSanitize(color.r+color.g+color.b,0.,3.*BOKEH_MAX_COLOR);}
+fn BokehBrighter(brightest:vec3f,brightness:f32,direction:vec2f)->vec3f{
 var result=brightest;
-let brightness=BokehBrightness(color);
 if(brightness>brightest.z){
 result=vec3f(direction,brightness);}
 return result;}
 fn BokehLightBeside(color:vec4f,right:vec4f,left:vec4f,below:vec4f,above:vec4f)->vec4f{
 let brightness=max(BokehBrightness(color),.0000001);
-let darkest=min(min(BokehBrightness(right),BokehBrightness(left)),min(BokehBrightness(below),BokehBrightness(above)));
+let beside=vec4f(BokehBrightness(right),BokehBrightness(left),BokehBrightness(below),BokehBrightness(above));
+let darkest=min(min(beside.x,beside.y),min(beside.z,beside.w));
 var brightest=vec3f(0.,0.,brightness);
-brightest=BokehBrighter(brightest,right,vec2f(1.,0.));
-brightest=BokehBrighter(brightest,left,vec2f(-1.,0.));
-brightest=BokehBrighter(brightest,below,vec2f(0.,1.));
-brightest=BokehBrighter(brightest,above,vec2f(0.,-1.));
+brightest=BokehBrighter(brightest,beside.x,vec2f(1.,0.));
+brightest=BokehBrighter(brightest,beside.y,vec2f(-1.,0.));
+brightest=BokehBrighter(brightest,beside.z,vec2f(0.,1.));
+brightest=BokehBrighter(brightest,beside.w,vec2f(0.,-1.));
 let ratio=brightest.z/brightness;
 let dark=clamp((ratio-4.)/(8. -4.),0.,1.);
 let overDarkest=1./max(darkest,.0000001);
@@ -1711,7 +1711,7 @@ let reached=dot(vec4f(L1.reached,L2.reached,L3.reached,L4.reached),weights);
 result=vec4f(result.rgb,result.a*min(reached/gathered*1.001,1.));}
 return result;}
 fn BokehExactFirst(MapSamp:texture_2d<f32>,uv:vec2f,last:i32,polygon:BokehPolygon,settings:BokehSamplingSettings,BokehLinearClamp:sampler)->BokehTargets{
-let centerPixel=BokehFetch(MapSamp,uv,BokehLinearClamp);
+let centerPixel=BokehFetchTexel(MapSamp,BokehToTexture(uv));
 var rays=false;
 if(last<4){
 rays=polygon.sides==6;}
@@ -1736,20 +1736,20 @@ return targets;}
 fn BokehSquareFirst(MapSamp:texture_2d<f32>,uv:vec2f,polygon:BokehPolygon,settings:BokehSamplingSettings,BokehLinearClamp:sampler)->BokehTargets{
 return BokehExactFirst(MapSamp,uv,2,polygon,settings,BokehLinearClamp);}
 fn BokehSquareSecond(Strip2Samp:texture_2d<f32>,uv:vec2f,polygon:BokehPolygon,settings:BokehSamplingSettings,BokehLinearClamp:sampler)->vec4f{
-let pixel=BokehFetch(Strip2Samp,uv,BokehLinearClamp);
+let pixel=BokehFetchTexel(Strip2Samp,BokehToTexture(uv));
 let L2=BokehLineSum(Strip2Samp,uv,2,polygon,true,false,pixel,settings,BokehLinearClamp);
 return BokehResolved(L2.sum,pixel);}
 fn BokehHexagonFirst(MapSamp:texture_2d<f32>,uv:vec2f,polygon:BokehPolygon,settings:BokehSamplingSettings,BokehLinearClamp:sampler)->BokehTargets{
 return BokehExactFirst(MapSamp,uv,3,polygon,settings,BokehLinearClamp);}
 fn BokehHexagonSecond(Strip2Samp:texture_2d<f32>,Strip3Samp:texture_2d<f32>,uv:vec2f,polygon:BokehPolygon,settings:BokehSamplingSettings,BokehLinearClamp:sampler)->vec4f{
-let pixel=BokehFetch(Strip2Samp,uv,BokehLinearClamp);
+let pixel=BokehFetchTexel(Strip2Samp,BokehToTexture(uv));
 let L2=BokehLineSum(Strip2Samp,uv,2,polygon,true,true,pixel,settings,BokehLinearClamp);
 let L3=BokehLineSum(Strip3Samp,uv,3,polygon,true,true,pixel,settings,BokehLinearClamp);
 return BokehResolved(L2.sum+L3.sum,pixel);}
 fn BokehOctagonFirst(MapSamp:texture_2d<f32>,uv:vec2f,polygon:BokehPolygon,settings:BokehSamplingSettings,BokehLinearClamp:sampler)->BokehTargets{
 return BokehExactFirst(MapSamp,uv,4,polygon,settings,BokehLinearClamp);}
 fn BokehOctagonSecond(Strip2Samp:texture_2d<f32>,Strip3Samp:texture_2d<f32>,Strip4Samp:texture_2d<f32>,uv:vec2f,polygon:BokehPolygon,settings:BokehSamplingSettings,BokehLinearClamp:sampler)->vec4f{
-let pixel=BokehFetch(Strip2Samp,uv,BokehLinearClamp);
+let pixel=BokehFetchTexel(Strip2Samp,BokehToTexture(uv));
 let L2=BokehLineSum(Strip2Samp,uv,2,polygon,true,false,pixel,settings,BokehLinearClamp);
 let L3=BokehLineSum(Strip3Samp,uv,3,polygon,true,false,pixel,settings,BokehLinearClamp);
 let L4=BokehLineSum(Strip4Samp,uv,4,polygon,true,false,pixel,settings,BokehLinearClamp);
@@ -1757,7 +1757,7 @@ return BokehResolved(L2.sum+L3.sum+L4.sum,pixel);}
 fn BokehDecagonFirst(MapSamp:texture_2d<f32>,uv:vec2f,polygon:BokehPolygon,settings:BokehSamplingSettings,BokehLinearClamp:sampler)->BokehTargets{
 return BokehExactFirst(MapSamp,uv,5,polygon,settings,BokehLinearClamp);}
 fn BokehDecagonSecond(Strip2Samp:texture_2d<f32>,Strip3Samp:texture_2d<f32>,Strip4Samp:texture_2d<f32>,Strip5Samp:texture_2d<f32>,uv:vec2f,polygon:BokehPolygon,settings:BokehSamplingSettings,BokehLinearClamp:sampler)->vec4f{
-let pixel=BokehFetch(Strip2Samp,uv,BokehLinearClamp);
+let pixel=BokehFetchTexel(Strip2Samp,BokehToTexture(uv));
 let L2=BokehLineSum(Strip2Samp,uv,2,polygon,true,false,pixel,settings,BokehLinearClamp);
 let L3=BokehLineSum(Strip3Samp,uv,3,polygon,true,false,pixel,settings,BokehLinearClamp);
 let L4=BokehLineSum(Strip4Samp,uv,4,polygon,true,false,pixel,settings,BokehLinearClamp);
@@ -1916,6 +1916,8 @@ coords=grid.origin+clamp(place,inset,grid.size-inset);}
 return coords*grid.texel;}
 fn BokehFetchGrid(tex:texture_2d<f32>,place:vec2f,grid:BokehGrid,BokehLinearClamp:sampler)->vec4f{
 return BokehFetchTexture(tex,BokehGridCoords(place,grid),BokehLinearClamp);}
+fn BokehFetchGridTexel(tex:texture_2d<f32>,place:vec2f,grid:BokehGrid)->vec4f{
+return BokehFetchTexel(tex,BokehGridCoords(place,grid));}
 fn BokehFetchAround(tex:texture_2d<f32>,center:vec2f,offset:vec2f,grid:BokehGrid,BokehLinearClamp:sampler)->vec4f{
 var coords=(center+offset)/grid.size;
 if(BOKEH_VIEWPORT>0){
@@ -1932,13 +1934,13 @@ fn BokehFarSlope(largest:f32)->f32{
 return BokehLayerSlope(largest,10.,16.);}
 fn BokehLayerWeight(CoC:f32,slope:f32)->f32{
 return clamp(CoC*slope-2.,0.,1.);}
-fn BokehTileMax(MapSamp:texture_2d<f32>,layers:BokehLayerContext,BokehLinearClamp:sampler)->vec4f{
+fn BokehTileMax(MapSamp:texture_2d<f32>,layers:BokehLayerContext)->vec4f{
 let first=floor(layers.uv*ceil(layers.size/8.))*8.+vec2f(.5);
 var found=vec3f(0.);
 for(var y=0;y<8;y++){
 for(var x=0;x<8;x++){
 let place=first+vec2f(f32(x),f32(y));
-let pixel=BokehFetchGrid(MapSamp,place,BokehFullGrid(layers),BokehLinearClamp);
+let pixel=BokehFetchGridTexel(MapSamp,place,BokehFullGrid(layers));
 let s=pixel.a*layers.size.y;
 let logBrightness=log2(max(BokehBrightest(pixel.rgb),BOKEH_MIN_BRIGHTNESS));
 found=vec3f(max(found.r,-s),max(found.g,s),found.b+logBrightness);}}
@@ -1948,7 +1950,7 @@ let weight=CoC/16.+1.-max(tiles-2.,0.);
 return CoC*clamp(weight,vec2f(0.),vec2f(1.));}
 fn BokehReachTiles(layers:BokehLayerContext)->f32{
 return min(ceil(layers.largest/16.)+2.,127.);}
-fn BokehTileDilate(TilesSamp:texture_2d<f32>,axis:vec2f,layers:BokehLayerContext,BokehLinearClamp:sampler)->vec4f{
+fn BokehTileDilate(TilesSamp:texture_2d<f32>,axis:vec2f,layers:BokehLayerContext)->vec4f{
 let grid=BokehReducedGrid(layers,8.);
 let radius=BokehReachTiles(layers);
 var found=vec2f(0.);
@@ -1957,7 +1959,7 @@ for(var i=0;i<255;i++){
 let tiles=f32(i)-radius;
 if(tiles>radius){
 break;}
-let tile=BokehFetchGrid(TilesSamp,layers.uv*grid.size+axis*tiles,grid,BokehLinearClamp);
+let tile=BokehFetchGridTexel(TilesSamp,layers.uv*grid.size+axis*tiles,grid);
 found=max(found,BokehReaching(tile.rg,abs(tiles)));
 logBrightness+=tile.b;}
 return vec4f(found,logBrightness/(2.*radius+1.),1.);}
@@ -1982,16 +1984,16 @@ result=vec4f(min(pixel.rgb,around.rgb),nearWeight);
 if(brightest>limit){
 result=vec4f(result.rgb,nearWeight*(around.a-brightest)/(around.a-limit));}}
 return result;}
-fn BokehPrefilterBlock(MapSamp:texture_2d<f32>,middle:vec2f,tile:vec4f,layers:BokehLayerContext,BokehLinearClamp:sampler)->BokehPrefiltered{
+fn BokehPrefilterBlock(MapSamp:texture_2d<f32>,middle:vec2f,tile:vec4f,layers:BokehLayerContext)->BokehPrefiltered{
 let full=BokehFullGrid(layers);
 let nearSlope=BokehNearSlope(tile.r);
 let farSlope=BokehFarSlope(tile.g);
 let inverseBrightness=exp2(-tile.b);
 let maxWeight=500000./max(layers.largest,50.);
-var a=BokehFetchGrid(MapSamp,middle+vec2f(-.5,-.5),full,BokehLinearClamp);
-var b=BokehFetchGrid(MapSamp,middle+vec2f(.5,-.5),full,BokehLinearClamp);
-var c=BokehFetchGrid(MapSamp,middle+vec2f(-.5,.5),full,BokehLinearClamp);
-var d=BokehFetchGrid(MapSamp,middle+vec2f(.5),full,BokehLinearClamp);
+var a=BokehFetchGridTexel(MapSamp,middle+vec2f(-.5,-.5),full);
+var b=BokehFetchGridTexel(MapSamp,middle+vec2f(.5,-.5),full);
+var c=BokehFetchGridTexel(MapSamp,middle+vec2f(-.5,.5),full);
+var d=BokehFetchGridTexel(MapSamp,middle+vec2f(.5),full);
 let s=vec4f(a.a,b.a,c.a,d.a)*full.size.y;
 let nearWeights=BokehLayerWeights(-s,nearSlope);
 let farWeights=BokehLayerWeights(s,farSlope);
@@ -2014,7 +2016,7 @@ for(var y=0;y<4;y++){
 for(var x=0;x<4;x++){
 let offset=vec2f(f32(x)-1.5,f32(y)-1.5);
 if((abs(offset.x)-abs(offset.y))*offset.x*offset.y>.5){
-let pixel=BokehFetchGrid(MapSamp,middle+offset,full,BokehLinearClamp);
+let pixel=BokehFetchGridTexel(MapSamp,middle+offset,full);
 around=BokehSurroundings(around,pixel,BokehLayerWeight(-pixel.a*full.size.y,nearSlope),maxNearWeight);}}}
 a=BokehNearPixel(a,nearWeights.x,around);
 b=BokehNearPixel(b,nearWeights.y,around);
@@ -2035,12 +2037,12 @@ let grid=BokehLayerGrid(layers);
 let center=(floor(layers.uv*grid.size)+.5)*f32(BOKEH_LAYER_SCALE);
 let tile=BokehFetchGrid(DilatedTilesSamp,center/8.,BokehReducedGrid(layers,8.),BokehLinearClamp);
 let first=center+(1.-.5*f32(BOKEH_LAYER_SCALE));
-var targets=BokehPrefilterBlock(MapSamp,first,tile,layers,BokehLinearClamp);
+var targets=BokehPrefilterBlock(MapSamp,first,tile,layers);
 if(BOKEH_LAYER_SCALE>2){
 for(var i=1;i<4;i++){
 let row=floor(.5*f32(i));
 let middle=first+2.*vec2f(f32(i)-2.*row,row);
-let block=BokehPrefilterBlock(MapSamp,middle,tile,layers,BokehLinearClamp);
+let block=BokehPrefilterBlock(MapSamp,middle,tile,layers);
 targets.nearLayer+=block.nearLayer;
 targets.farLayer+=block.farLayer;
 targets.layerCoCSums+=block.layerCoCSums;
@@ -2051,7 +2053,7 @@ targets.layerCoCSums*=.25;}
 return targets;}
 struct BokehTileSums{
 gatherCoC:vec4f,sums:vec4f,}
-fn BokehLayerCoCReduce(SumsSamp:texture_2d<f32>,GatherCoCSamp:texture_2d<f32>,layers:BokehLayerContext,BokehLinearClamp:sampler)->BokehTileSums{
+fn BokehLayerCoCReduce(SumsSamp:texture_2d<f32>,GatherCoCSamp:texture_2d<f32>,layers:BokehLayerContext)->BokehTileSums{
 let grid=BokehLayerGrid(layers);
 let texels=8/BOKEH_LAYER_SCALE;
 let first=floor(layers.uv*ceil(layers.size/8.))*f32(texels)+vec2f(.5);
@@ -2060,15 +2062,15 @@ var gatherCoC=vec2f(0.);
 for(var y=0;y<texels;y++){
 for(var x=0;x<texels;x++){
 let place=first+vec2f(f32(x),f32(y));
-sums+=BokehFetchGrid(SumsSamp,place,grid,BokehLinearClamp);
-gatherCoC=max(gatherCoC,BokehFetchGrid(GatherCoCSamp,place,grid,BokehLinearClamp).rg);}}
+sums+=BokehFetchGridTexel(SumsSamp,place,grid);
+gatherCoC=max(gatherCoC,BokehFetchGridTexel(GatherCoCSamp,place,grid).rg);}}
 var targets:BokehTileSums;
 targets.gatherCoC=vec4f(gatherCoC,0.,1.);
 targets.sums=sums/f32(texels*texels);
 return targets;}
-fn BokehLayerCoCAlong(GatherCoCSamp:texture_2d<f32>,SumsSamp:texture_2d<f32>,DilatedTilesSamp:texture_2d<f32>,axis:vec2f,layers:BokehLayerContext,BokehLinearClamp:sampler)->BokehTileSums{
+fn BokehLayerCoCAlong(GatherCoCSamp:texture_2d<f32>,SumsSamp:texture_2d<f32>,DilatedTilesSamp:texture_2d<f32>,axis:vec2f,layers:BokehLayerContext)->BokehTileSums{
 let grid=BokehReducedGrid(layers,8.);
-let tile=BokehFetchGrid(DilatedTilesSamp,layers.uv*grid.size,grid,BokehLinearClamp).rg;
+let tile=BokehFetchGridTexel(DilatedTilesSamp,layers.uv*grid.size,grid).rg;
 let sigma=max(tile*.0375,vec2f(.6));
 let radius=BokehReachTiles(layers);
 var sums=vec4f(0.);
@@ -2080,21 +2082,21 @@ if(tiles>radius){
 break;}
 let place=layers.uv*grid.size+axis*tiles;
 let weight=exp(-.5*tiles*tiles/(sigma*sigma));
-sums+=BokehFetchGrid(SumsSamp,place,grid,BokehLinearClamp)*vec4f(weight.x,weight.x,weight.y,weight.y);
-gatherCoC=max(gatherCoC,BokehReaching(BokehFetchGrid(GatherCoCSamp,place,grid,BokehLinearClamp).rg,abs(tiles)));
+sums+=BokehFetchGridTexel(SumsSamp,place,grid)*vec4f(weight.x,weight.x,weight.y,weight.y);
+gatherCoC=max(gatherCoC,BokehReaching(BokehFetchGridTexel(GatherCoCSamp,place,grid).rg,abs(tiles)));
 total+=weight;}
 var targets:BokehTileSums;
 targets.gatherCoC=vec4f(gatherCoC,0.,1.);
 targets.sums=sums/vec4f(total.x,total.x,total.y,total.y);
 return targets;}
-fn BokehLayerCoCRows(GatherCoCSamp:texture_2d<f32>,SumsSamp:texture_2d<f32>,DilatedTilesSamp:texture_2d<f32>,layers:BokehLayerContext,BokehLinearClamp:sampler)->BokehTileSums{
-return BokehLayerCoCAlong(GatherCoCSamp,SumsSamp,DilatedTilesSamp,vec2f(1.,0.),layers,BokehLinearClamp);}
+fn BokehLayerCoCRows(GatherCoCSamp:texture_2d<f32>,SumsSamp:texture_2d<f32>,DilatedTilesSamp:texture_2d<f32>,layers:BokehLayerContext)->BokehTileSums{
+return BokehLayerCoCAlong(GatherCoCSamp,SumsSamp,DilatedTilesSamp,vec2f(1.,0.),layers);}
 struct BokehLayerCoCTargets{
 gatherTiles:vec4f,layerCoC:vec4f,}
-fn BokehLayerCoCColumns(GatherCoCSamp:texture_2d<f32>,SumsSamp:texture_2d<f32>,DilatedTilesSamp:texture_2d<f32>,layers:BokehLayerContext,BokehLinearClamp:sampler)->BokehLayerCoCTargets{
+fn BokehLayerCoCColumns(GatherCoCSamp:texture_2d<f32>,SumsSamp:texture_2d<f32>,DilatedTilesSamp:texture_2d<f32>,layers:BokehLayerContext)->BokehLayerCoCTargets{
 let grid=BokehReducedGrid(layers,8.);
-let tile=BokehFetchGrid(DilatedTilesSamp,layers.uv*grid.size,grid,BokehLinearClamp).rg;
-let tileSums=BokehLayerCoCAlong(GatherCoCSamp,SumsSamp,DilatedTilesSamp,vec2f(0.,1.),layers,BokehLinearClamp);
+let tile=BokehFetchGridTexel(DilatedTilesSamp,layers.uv*grid.size,grid).rg;
+let tileSums=BokehLayerCoCAlong(GatherCoCSamp,SumsSamp,DilatedTilesSamp,vec2f(0.,1.),layers);
 let sums=tileSums.sums;
 var layerCoC=vec2f(0.);
 if(sums.g>.0001&&tile.r>6.){
@@ -2161,7 +2163,7 @@ var farColor=vec4f(0.);
 for(var y=0;y<4;y++){
 for(var x=0;x<4;x++){
 let place=first+vec2f(f32(x),f32(y));
-let pixel=BokehFetchGrid(MapSamp,place,full,BokehLinearClamp);
+let pixel=BokehFetchGridTexel(MapSamp,place,full);
 let s=pixel.a*full.size.y;
 let nearWeight=BokehLayerWeight(-s,nearSlope);
 let notNear=max(1.-2.*nearWeight,.0625-.0625*nearWeight);
@@ -2197,8 +2199,8 @@ let inverseBrightness=exp2(-tile.b);
 var corner=BokehRotated(polygon.corner,polygon.axis);
 var direction=BokehEdgeDirection(1,polygon);
 let turn=BokehTurn(1.,polygon);
-var midColor=BokehFetchGrid(MidSamp,center,grid,BokehLinearClamp);
-var farColor=BokehFetchGrid(FarSamp,center,grid,BokehLinearClamp);
+var midColor=BokehFetchGridTexel(MidSamp,center,grid);
+var farColor=BokehFetchGridTexel(FarSamp,center,grid);
 var weights=BokehHoleWeights(midColor,farColor,inverseBrightness);
 for(var ring=0;ring<3;ring++){
 if(nearCoC<6.){
@@ -2278,7 +2280,7 @@ targets.strip3=BokehLayerTarget(3,polygon,L1,L2,zero,zero);
 targets.strip4=BokehLayerTarget(4,polygon,L1,L2,L3,zero);
 targets.strip5=BokehLayerTarget(5,polygon,L1,L2,L3,L4);}
 else{
-targets.strip2=BokehFetchGrid(LayerSamp,center,grid,BokehLinearClamp);
+targets.strip2=BokehFetchGridTexel(LayerSamp,center,grid);
 targets.strip3=targets.strip2;
 targets.strip4=targets.strip2;
 targets.strip5=targets.strip2;}
@@ -2299,7 +2301,7 @@ if(polygon.sides>8){
 result+=BokehLayerLine(Strip5Samp,Strip5Samp,5,polygon,true,blur,layers,BokehLinearClamp);}
 result=result/polygon.area;}
 else{
-result=BokehFetchGrid(Strip2Samp,center,grid,BokehLinearClamp);}
+result=BokehFetchGridTexel(Strip2Samp,center,grid);}
 return result;}
 struct BokehLayersTargets{
 nearStrip2:vec4f,farStrip2:vec4f,nearStrip3:vec4f,farStrip3:vec4f,}

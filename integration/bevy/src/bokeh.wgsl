@@ -162,13 +162,11 @@ BOKEH_MAX_COLOR), BokehSanitize(color.b, 0.0, BOKEH_MAX_COLOR), CoC);
 }
 fn BokehBrightness(color: vec4f) -> f32
 {
-let safe: vec4f = BokehPackCoC(color, 0.0);
-return safe.r + safe.g + safe.b;
+return BokehSanitize(color.r + color.g + color.b, 0.0, 3.0 * BOKEH_MAX_COLOR);
 }
-fn BokehBrighter(brightest: vec3f, color: vec4f, direction: vec2f) -> vec3f
+fn BokehBrighter(brightest: vec3f, brightness: f32, direction: vec2f) -> vec3f
 {
 var result: vec3f = brightest;
-let brightness: f32 = BokehBrightness(color);
 if (brightness > brightest.z)
 {
 result = vec3f(direction, brightness);
@@ -178,13 +176,14 @@ return result;
 fn BokehLightBeside(color: vec4f, right: vec4f, left: vec4f, below: vec4f, above: vec4f) -> vec4f
 {
 let brightness: f32 = max(BokehBrightness(color), 0.0000001);
-let darkest: f32 = min(min(BokehBrightness(right), BokehBrightness(left)),
-min(BokehBrightness(below), BokehBrightness(above)));
+let beside: vec4f = vec4f(BokehBrightness(right), BokehBrightness(left), BokehBrightness(below),
+BokehBrightness(above));
+let darkest: f32 = min(min(beside.x, beside.y), min(beside.z, beside.w));
 var brightest: vec3f = vec3f(0.0, 0.0, brightness);
-brightest = BokehBrighter(brightest, right, vec2f(1.0, 0.0));
-brightest = BokehBrighter(brightest, left, vec2f(-1.0, 0.0));
-brightest = BokehBrighter(brightest, below, vec2f(0.0, 1.0));
-brightest = BokehBrighter(brightest, above, vec2f(0.0, -1.0));
+brightest = BokehBrighter(brightest, beside.x, vec2f(1.0, 0.0));
+brightest = BokehBrighter(brightest, beside.y, vec2f(-1.0, 0.0));
+brightest = BokehBrighter(brightest, beside.z, vec2f(0.0, 1.0));
+brightest = BokehBrighter(brightest, beside.w, vec2f(0.0, -1.0));
 let ratio: f32 = brightest.z / brightness;
 let dark: f32 = clamp((ratio - BOKEH_TUNED_LIGHT_START) / (BOKEH_TUNED_LIGHT_FULL -
 BOKEH_TUNED_LIGHT_START), 0.0, 1.0);
@@ -516,7 +515,7 @@ return result;
 fn BokehExactFirst(MapSamp: texture_2d<f32>, uv: vec2f, last: i32, polygon: BokehPolygon,
 settings: BokehSamplingSettings, BokehLinearClamp: sampler) -> BokehTargets
 {
-let centerPixel: vec4f = BokehFetch(MapSamp, uv, BokehLinearClamp);
+let centerPixel: vec4f = BokehFetchTexel(MapSamp, BokehToTexture(uv));
 var rays: bool = false;
 if (last < 4)
 {
@@ -559,7 +558,7 @@ return BokehExactFirst(MapSamp, uv, 2, polygon, settings, BokehLinearClamp);
 fn BokehSquareSecond(Strip2Samp: texture_2d<f32>, uv: vec2f, polygon: BokehPolygon,
 settings: BokehSamplingSettings, BokehLinearClamp: sampler) -> vec4f
 {
-let pixel: vec4f = BokehFetch(Strip2Samp, uv, BokehLinearClamp);
+let pixel: vec4f = BokehFetchTexel(Strip2Samp, BokehToTexture(uv));
 let L2: BokehLine = BokehLineSum(Strip2Samp, uv, 2, polygon, true, false, pixel, settings,
 BokehLinearClamp);
 return BokehResolved(L2.sum, pixel);
@@ -572,7 +571,7 @@ return BokehExactFirst(MapSamp, uv, 3, polygon, settings, BokehLinearClamp);
 fn BokehHexagonSecond(Strip2Samp: texture_2d<f32>, Strip3Samp: texture_2d<f32>, uv: vec2f,
 polygon: BokehPolygon, settings: BokehSamplingSettings, BokehLinearClamp: sampler) -> vec4f
 {
-let pixel: vec4f = BokehFetch(Strip2Samp, uv, BokehLinearClamp);
+let pixel: vec4f = BokehFetchTexel(Strip2Samp, BokehToTexture(uv));
 let L2: BokehLine = BokehLineSum(Strip2Samp, uv, 2, polygon, true, true, pixel, settings,
 BokehLinearClamp);
 let L3: BokehLine = BokehLineSum(Strip3Samp, uv, 3, polygon, true, true, pixel, settings,
@@ -588,7 +587,7 @@ fn BokehOctagonSecond(Strip2Samp: texture_2d<f32>, Strip3Samp: texture_2d<f32>,
 Strip4Samp: texture_2d<f32>, uv: vec2f, polygon: BokehPolygon, settings: BokehSamplingSettings,
 BokehLinearClamp: sampler) -> vec4f
 {
-let pixel: vec4f = BokehFetch(Strip2Samp, uv, BokehLinearClamp);
+let pixel: vec4f = BokehFetchTexel(Strip2Samp, BokehToTexture(uv));
 let L2: BokehLine = BokehLineSum(Strip2Samp, uv, 2, polygon, true, false, pixel, settings,
 BokehLinearClamp);
 let L3: BokehLine = BokehLineSum(Strip3Samp, uv, 3, polygon, true, false, pixel, settings,
@@ -606,7 +605,7 @@ fn BokehDecagonSecond(Strip2Samp: texture_2d<f32>, Strip3Samp: texture_2d<f32>,
 Strip4Samp: texture_2d<f32>, Strip5Samp: texture_2d<f32>, uv: vec2f, polygon: BokehPolygon,
 settings: BokehSamplingSettings, BokehLinearClamp: sampler) -> vec4f
 {
-let pixel: vec4f = BokehFetch(Strip2Samp, uv, BokehLinearClamp);
+let pixel: vec4f = BokehFetchTexel(Strip2Samp, BokehToTexture(uv));
 let L2: BokehLine = BokehLineSum(Strip2Samp, uv, 2, polygon, true, false, pixel, settings,
 BokehLinearClamp);
 let L3: BokehLine = BokehLineSum(Strip3Samp, uv, 3, polygon, true, false, pixel, settings,
@@ -881,6 +880,10 @@ BokehLinearClamp: sampler) -> vec4f
 {
 return BokehFetchTexture(tex, BokehGridCoords(place, grid), BokehLinearClamp);
 }
+fn BokehFetchGridTexel(tex: texture_2d<f32>, place: vec2f, grid: BokehGrid) -> vec4f
+{
+return BokehFetchTexel(tex, BokehGridCoords(place, grid));
+}
 fn BokehFetchAround(tex: texture_2d<f32>, center: vec2f, offset: vec2f, grid: BokehGrid,
 BokehLinearClamp: sampler) -> vec4f
 {
@@ -913,8 +916,7 @@ fn BokehLayerWeight(CoC: f32, slope: f32) -> f32
 {
 return clamp(CoC * slope - 2.0, 0.0, 1.0);
 }
-fn BokehTileMax(MapSamp: texture_2d<f32>, layers: BokehLayerContext,
-BokehLinearClamp: sampler) -> vec4f
+fn BokehTileMax(MapSamp: texture_2d<f32>, layers: BokehLayerContext) -> vec4f
 {
 let first: vec2f = floor(layers.uv * ceil(layers.size / 8.0)) * 8.0 + vec2f(0.5, 0.5);
 var found: vec3f = vec3f(0.0, 0.0, 0.0);
@@ -923,8 +925,7 @@ for (var y: i32 = 0; y < 8; y++)
 for (var x: i32 = 0; x < 8; x++)
 {
 let place: vec2f = first + vec2f(f32(x), f32(y));
-let pixel: vec4f = BokehFetchGrid(MapSamp, place, BokehFullGrid(layers),
-BokehLinearClamp);
+let pixel: vec4f = BokehFetchGridTexel(MapSamp, place, BokehFullGrid(layers));
 let s: f32 = pixel.a * layers.size.y;
 let logBrightness: f32 = log2(max(BokehBrightest(pixel.rgb), BOKEH_MIN_BRIGHTNESS));
 found = vec3f(max(found.r, -s), max(found.g, s), found.b + logBrightness);
@@ -941,8 +942,7 @@ fn BokehReachTiles(layers: BokehLayerContext) -> f32
 {
 return min(ceil(layers.largest / 16.0) + 2.0, 127.0);
 }
-fn BokehTileDilate(TilesSamp: texture_2d<f32>, axis: vec2f, layers: BokehLayerContext,
-BokehLinearClamp: sampler) -> vec4f
+fn BokehTileDilate(TilesSamp: texture_2d<f32>, axis: vec2f, layers: BokehLayerContext) -> vec4f
 {
 let grid: BokehGrid = BokehReducedGrid(layers, 8.0);
 let radius: f32 = BokehReachTiles(layers);
@@ -955,8 +955,8 @@ if (tiles > radius)
 {
 break;
 }
-let tile: vec4f = BokehFetchGrid(TilesSamp, layers.uv * grid.size + axis * tiles, grid,
-BokehLinearClamp);
+let tile: vec4f = BokehFetchGridTexel(TilesSamp, layers.uv * grid.size + axis * tiles,
+grid);
 found = max(found, BokehReaching(tile.rg, abs(tiles)));
 logBrightness += tile.b;
 }
@@ -1006,17 +1006,17 @@ result = vec4f(result.rgb, nearWeight * (around.a - brightest) / (around.a - lim
 return result;
 }
 fn BokehPrefilterBlock(MapSamp: texture_2d<f32>, middle: vec2f, tile: vec4f,
-layers: BokehLayerContext, BokehLinearClamp: sampler) -> BokehPrefiltered
+layers: BokehLayerContext) -> BokehPrefiltered
 {
 let full: BokehGrid = BokehFullGrid(layers);
 let nearSlope: f32 = BokehNearSlope(tile.r);
 let farSlope: f32 = BokehFarSlope(tile.g);
 let inverseBrightness: f32 = exp2(-tile.b);
 let maxWeight: f32 = 500000.0 / max(layers.largest, 50.0);
-var a: vec4f = BokehFetchGrid(MapSamp, middle + vec2f(-0.5, -0.5), full, BokehLinearClamp);
-var b: vec4f = BokehFetchGrid(MapSamp, middle + vec2f(0.5, -0.5), full, BokehLinearClamp);
-var c: vec4f = BokehFetchGrid(MapSamp, middle + vec2f(-0.5, 0.5), full, BokehLinearClamp);
-var d: vec4f = BokehFetchGrid(MapSamp, middle + vec2f(0.5, 0.5), full, BokehLinearClamp);
+var a: vec4f = BokehFetchGridTexel(MapSamp, middle + vec2f(-0.5, -0.5), full);
+var b: vec4f = BokehFetchGridTexel(MapSamp, middle + vec2f(0.5, -0.5), full);
+var c: vec4f = BokehFetchGridTexel(MapSamp, middle + vec2f(-0.5, 0.5), full);
+var d: vec4f = BokehFetchGridTexel(MapSamp, middle + vec2f(0.5, 0.5), full);
 let s: vec4f = vec4f(a.a, b.a, c.a, d.a) * full.size.y;
 let nearWeights: vec4f = BokehLayerWeights(-s, nearSlope);
 let farWeights: vec4f = BokehLayerWeights(s, farSlope);
@@ -1046,8 +1046,7 @@ for (var x: i32 = 0; x < 4; x++)
 let offset: vec2f = vec2f(f32(x) - 1.5, f32(y) - 1.5);
 if ((abs(offset.x) - abs(offset.y)) * offset.x * offset.y > 0.5)
 {
-let pixel: vec4f = BokehFetchGrid(MapSamp, middle + offset, full,
-BokehLinearClamp);
+let pixel: vec4f = BokehFetchGridTexel(MapSamp, middle + offset, full);
 around = BokehSurroundings(around, pixel, BokehLayerWeight(-pixel.a *
 full.size.y, nearSlope), maxNearWeight);
 }
@@ -1081,7 +1080,7 @@ let tile: vec4f = BokehFetchGrid(DilatedTilesSamp, center / 8.0, BokehReducedGri
 BokehLinearClamp);
 let first: vec2f = center + (1.0 - 0.5 * f32(BOKEH_LAYER_SCALE));
 var targets: BokehPrefiltered = BokehPrefilterBlock(MapSamp, first, tile,
-layers, BokehLinearClamp);
+layers);
 if (BOKEH_LAYER_SCALE > 2)
 {
 for (var i: i32 = 1; i < 4; i++)
@@ -1089,7 +1088,7 @@ for (var i: i32 = 1; i < 4; i++)
 let row: f32 = floor(0.5 * f32(i));
 let middle: vec2f = first + 2.0 * vec2f(f32(i) - 2.0 * row, row);
 let block: BokehPrefiltered = BokehPrefilterBlock(MapSamp, middle, tile,
-layers, BokehLinearClamp);
+layers);
 targets.nearLayer += block.nearLayer;
 targets.farLayer += block.farLayer;
 targets.layerCoCSums += block.layerCoCSums;
@@ -1107,7 +1106,7 @@ gatherCoC: vec4f,
 sums: vec4f,
 }
 fn BokehLayerCoCReduce(SumsSamp: texture_2d<f32>, GatherCoCSamp: texture_2d<f32>,
-layers: BokehLayerContext, BokehLinearClamp: sampler) -> BokehTileSums
+layers: BokehLayerContext) -> BokehTileSums
 {
 let grid: BokehGrid = BokehLayerGrid(layers);
 let texels: i32 = 8 / BOKEH_LAYER_SCALE;
@@ -1119,9 +1118,8 @@ for (var y: i32 = 0; y < texels; y++)
 for (var x: i32 = 0; x < texels; x++)
 {
 let place: vec2f = first + vec2f(f32(x), f32(y));
-sums += BokehFetchGrid(SumsSamp, place, grid, BokehLinearClamp);
-gatherCoC = max(gatherCoC, BokehFetchGrid(GatherCoCSamp, place, grid,
-BokehLinearClamp).rg);
+sums += BokehFetchGridTexel(SumsSamp, place, grid);
+gatherCoC = max(gatherCoC, BokehFetchGridTexel(GatherCoCSamp, place, grid).rg);
 }
 }
 var targets: BokehTileSums;
@@ -1130,12 +1128,10 @@ targets.sums = sums / f32(texels * texels);
 return targets;
 }
 fn BokehLayerCoCAlong(GatherCoCSamp: texture_2d<f32>, SumsSamp: texture_2d<f32>,
-DilatedTilesSamp: texture_2d<f32>, axis: vec2f, layers: BokehLayerContext,
-BokehLinearClamp: sampler) -> BokehTileSums
+DilatedTilesSamp: texture_2d<f32>, axis: vec2f, layers: BokehLayerContext) -> BokehTileSums
 {
 let grid: BokehGrid = BokehReducedGrid(layers, 8.0);
-let tile: vec2f = BokehFetchGrid(DilatedTilesSamp, layers.uv * grid.size, grid,
-BokehLinearClamp).rg;
+let tile: vec2f = BokehFetchGridTexel(DilatedTilesSamp, layers.uv * grid.size, grid).rg;
 let sigma: vec2f = max(tile * BOKEH_TUNED_COC_SIGMA, vec2f(0.6, 0.6));
 let radius: f32 = BokehReachTiles(layers);
 var sums: vec4f = vec4f(0.0, 0.0, 0.0, 0.0);
@@ -1150,10 +1146,10 @@ break;
 }
 let place: vec2f = layers.uv * grid.size + axis * tiles;
 let weight: vec2f = exp(-0.5 * tiles * tiles / (sigma * sigma));
-sums += BokehFetchGrid(SumsSamp, place, grid, BokehLinearClamp) * vec4f(weight.x, weight.x,
+sums += BokehFetchGridTexel(SumsSamp, place, grid) * vec4f(weight.x, weight.x,
 weight.y, weight.y);
-gatherCoC = max(gatherCoC, BokehReaching(BokehFetchGrid(GatherCoCSamp, place, grid,
-BokehLinearClamp).rg, abs(tiles)));
+gatherCoC = max(gatherCoC, BokehReaching(BokehFetchGridTexel(GatherCoCSamp, place,
+grid).rg, abs(tiles)));
 total += weight;
 }
 var targets: BokehTileSums;
@@ -1162,11 +1158,9 @@ targets.sums = sums / vec4f(total.x, total.x, total.y, total.y);
 return targets;
 }
 fn BokehLayerCoCRows(GatherCoCSamp: texture_2d<f32>, SumsSamp: texture_2d<f32>,
-DilatedTilesSamp: texture_2d<f32>, layers: BokehLayerContext,
-BokehLinearClamp: sampler) -> BokehTileSums
+DilatedTilesSamp: texture_2d<f32>, layers: BokehLayerContext) -> BokehTileSums
 {
-return BokehLayerCoCAlong(GatherCoCSamp, SumsSamp, DilatedTilesSamp, vec2f(1.0, 0.0), layers,
-BokehLinearClamp);
+return BokehLayerCoCAlong(GatherCoCSamp, SumsSamp, DilatedTilesSamp, vec2f(1.0, 0.0), layers);
 }
 struct BokehLayerCoCTargets
 {
@@ -1174,14 +1168,12 @@ gatherTiles: vec4f,
 layerCoC: vec4f,
 }
 fn BokehLayerCoCColumns(GatherCoCSamp: texture_2d<f32>, SumsSamp: texture_2d<f32>,
-DilatedTilesSamp: texture_2d<f32>, layers: BokehLayerContext,
-BokehLinearClamp: sampler) -> BokehLayerCoCTargets
+DilatedTilesSamp: texture_2d<f32>, layers: BokehLayerContext) -> BokehLayerCoCTargets
 {
 let grid: BokehGrid = BokehReducedGrid(layers, 8.0);
-let tile: vec2f = BokehFetchGrid(DilatedTilesSamp, layers.uv * grid.size, grid,
-BokehLinearClamp).rg;
+let tile: vec2f = BokehFetchGridTexel(DilatedTilesSamp, layers.uv * grid.size, grid).rg;
 let tileSums: BokehTileSums = BokehLayerCoCAlong(GatherCoCSamp, SumsSamp, DilatedTilesSamp,
-vec2f(0.0, 1.0), layers, BokehLinearClamp);
+vec2f(0.0, 1.0), layers);
 let sums: vec4f = tileSums.sums;
 var layerCoC: vec2f = vec2f(0.0, 0.0);
 if (sums.g > 0.0001 && tile.r > BOKEH_TUNED_NEAR_START)
@@ -1293,7 +1285,7 @@ for (var y: i32 = 0; y < 4; y++)
 for (var x: i32 = 0; x < 4; x++)
 {
 let place: vec2f = first + vec2f(f32(x), f32(y));
-let pixel: vec4f = BokehFetchGrid(MapSamp, place, full, BokehLinearClamp);
+let pixel: vec4f = BokehFetchGridTexel(MapSamp, place, full);
 let s: f32 = pixel.a * full.size.y;
 let nearWeight: f32 = BokehLayerWeight(-s, nearSlope);
 let notNear: f32 = max(1.0 - 2.0 * nearWeight, 0.0625 - 0.0625 * nearWeight);
@@ -1348,8 +1340,8 @@ let inverseBrightness: f32 = exp2(-tile.b);
 var corner: vec2f = BokehRotated(polygon.corner, polygon.axis);
 var direction: vec2f = BokehEdgeDirection(1, polygon);
 let turn: vec2f = BokehTurn(1.0, polygon);
-var midColor: vec4f = BokehFetchGrid(MidSamp, center, grid, BokehLinearClamp);
-var farColor: vec4f = BokehFetchGrid(FarSamp, center, grid, BokehLinearClamp);
+var midColor: vec4f = BokehFetchGridTexel(MidSamp, center, grid);
+var farColor: vec4f = BokehFetchGridTexel(FarSamp, center, grid);
 var weights: vec2f = BokehHoleWeights(midColor, farColor, inverseBrightness);
 for (var ring: i32 = 0; ring < 3; ring++)
 {
@@ -1476,7 +1468,7 @@ targets.strip5 = BokehLayerTarget(5, polygon, L1, L2, L3, L4);
 }
 else
 {
-targets.strip2 = BokehFetchGrid(LayerSamp, center, grid, BokehLinearClamp);
+targets.strip2 = BokehFetchGridTexel(LayerSamp, center, grid);
 targets.strip3 = targets.strip2;
 targets.strip4 = targets.strip2;
 targets.strip5 = targets.strip2;
@@ -1515,7 +1507,7 @@ result = result / polygon.area;
 }
 else
 {
-result = BokehFetchGrid(Strip2Samp, center, grid, BokehLinearClamp);
+result = BokehFetchGridTexel(Strip2Samp, center, grid);
 }
 return result;
 }
@@ -2476,12 +2468,12 @@ BokehLinearClamp);
 }
 @fragment fn BokehTileMax_PS(input: BokehVertex) -> @location(0) vec4f
 {
-return BokehTileMax(BokehColorSamp, BokehBeginTiles(input.uv), BokehLinearClamp);
+return BokehTileMax(BokehColorSamp, BokehBeginTiles(input.uv));
 }
 @fragment fn BokehTileDilate_PS(input: BokehVertex) -> @location(0) vec4f
 {
 let axis: vec2f = vec2f(1.0 - bokehParameters.BokehAxis, bokehParameters.BokehAxis);
-return BokehTileDilate(BokehColorSamp, axis, BokehBeginTiles(input.uv), BokehLinearClamp);
+return BokehTileDilate(BokehColorSamp, axis, BokehBeginTiles(input.uv));
 }
 @fragment fn BokehPrefilter_PS(input: BokehVertex) -> BokehTargets4
 {
@@ -2493,19 +2485,19 @@ targets.gatherCoC);
 @fragment fn BokehLayerCoCReduce_PS(input: BokehVertex) -> BokehTargets2
 {
 let targets: BokehTileSums = BokehLayerCoCReduce(BokehColorSamp, BokehColorSampB,
-BokehBeginTiles(input.uv), BokehLinearClamp);
+BokehBeginTiles(input.uv));
 return BokehTargets2(targets.gatherCoC, targets.sums);
 }
 @fragment fn BokehLayerCoCRows_PS(input: BokehVertex) -> BokehTargets2
 {
 let targets: BokehTileSums = BokehLayerCoCRows(BokehColorSamp, BokehColorSampB, BokehColorSampC,
-BokehBeginTiles(input.uv), BokehLinearClamp);
+BokehBeginTiles(input.uv));
 return BokehTargets2(targets.gatherCoC, targets.sums);
 }
 @fragment fn BokehLayerCoCColumns_PS(input: BokehVertex) -> BokehTargets2
 {
 let targets: BokehLayerCoCTargets = BokehLayerCoCColumns(BokehColorSamp, BokehColorSampB,
-BokehColorSampC, BokehBeginTiles(input.uv), BokehLinearClamp);
+BokehColorSampC, BokehBeginTiles(input.uv));
 return BokehTargets2(targets.gatherTiles, targets.layerCoC);
 }
 @fragment fn BokehDownsample_PS(input: BokehVertex) -> BokehTargets4
@@ -2577,19 +2569,19 @@ targets.gatherCoC);
 @fragment fn BokehLayerCoCReduceOne_PS(input: BokehVertex) -> @location(0) vec4f
 {
 let targets: BokehTileSums = BokehLayerCoCReduce(BokehColorSamp, BokehColorSampB,
-BokehBeginTiles(input.uv), BokehLinearClamp);
+BokehBeginTiles(input.uv));
 return BokehSelectTarget(targets.gatherCoC, targets.sums, targets.sums, targets.sums);
 }
 @fragment fn BokehLayerCoCRowsOne_PS(input: BokehVertex) -> @location(0) vec4f
 {
 let targets: BokehTileSums = BokehLayerCoCRows(BokehColorSamp, BokehColorSampB, BokehColorSampC,
-BokehBeginTiles(input.uv), BokehLinearClamp);
+BokehBeginTiles(input.uv));
 return BokehSelectTarget(targets.gatherCoC, targets.sums, targets.sums, targets.sums);
 }
 @fragment fn BokehLayerCoCColumnsOne_PS(input: BokehVertex) -> @location(0) vec4f
 {
 let targets: BokehLayerCoCTargets = BokehLayerCoCColumns(BokehColorSamp, BokehColorSampB,
-BokehColorSampC, BokehBeginTiles(input.uv), BokehLinearClamp);
+BokehColorSampC, BokehBeginTiles(input.uv));
 return BokehSelectTarget(targets.gatherTiles, targets.layerCoC, targets.layerCoC,
 targets.layerCoC);
 }

@@ -247,13 +247,11 @@ BOKEH_MAX_COLOR), BokehSanitize(color.b, 0.0, BOKEH_MAX_COLOR), CoC);
 }
 float BokehBrightness(vec4 color)
 {
-vec4 safe = BokehPackCoC(color, 0.0);
-return safe.r + safe.g + safe.b;
+return BokehSanitize(color.r + color.g + color.b, 0.0, 3.0 * BOKEH_MAX_COLOR);
 }
-vec3 BokehBrighter(vec3 brightest, vec4 color, vec2 direction)
+vec3 BokehBrighter(vec3 brightest, float brightness, vec2 direction)
 {
 vec3 result = brightest;
-float brightness = BokehBrightness(color);
 if (brightness > brightest.z)
 {
 result = vec3(direction, brightness);
@@ -263,13 +261,14 @@ return result;
 vec4 BokehLightBeside(vec4 color, vec4 right, vec4 left, vec4 below, vec4 above)
 {
 float brightness = max(BokehBrightness(color), 0.0000001);
-float darkest = min(min(BokehBrightness(right), BokehBrightness(left)),
-min(BokehBrightness(below), BokehBrightness(above)));
+vec4 beside = vec4(BokehBrightness(right), BokehBrightness(left), BokehBrightness(below),
+BokehBrightness(above));
+float darkest = min(min(beside.x, beside.y), min(beside.z, beside.w));
 vec3 brightest = vec3(0.0, 0.0, brightness);
-brightest = BokehBrighter(brightest, right, vec2(1.0, 0.0));
-brightest = BokehBrighter(brightest, left, vec2(-1.0, 0.0));
-brightest = BokehBrighter(brightest, below, vec2(0.0, 1.0));
-brightest = BokehBrighter(brightest, above, vec2(0.0, -1.0));
+brightest = BokehBrighter(brightest, beside.x, vec2(1.0, 0.0));
+brightest = BokehBrighter(brightest, beside.y, vec2(-1.0, 0.0));
+brightest = BokehBrighter(brightest, beside.z, vec2(0.0, 1.0));
+brightest = BokehBrighter(brightest, beside.w, vec2(0.0, -1.0));
 float ratio = brightest.z / brightness;
 float dark = clamp((ratio - BOKEH_TUNED_LIGHT_START) / (BOKEH_TUNED_LIGHT_FULL -
 BOKEH_TUNED_LIGHT_START), 0.0, 1.0);
@@ -594,7 +593,7 @@ return result;
 BokehTargets BokehExactFirst(BOKEH_TEXTURE MapSamp, vec2 uv, int last, BokehPolygon polygon,
 BokehSamplingSettings settings)
 {
-vec4 centerPixel = BokehFetch(MapSamp, uv);
+vec4 centerPixel = BokehFetchTexel(MapSamp, BokehToTexture(uv));
 bool rays = false;
 if (last < 4)
 {
@@ -633,7 +632,7 @@ return BokehExactFirst(MapSamp, uv, 2, polygon, settings);
 vec4 BokehSquareSecond(BOKEH_TEXTURE Strip2Samp, vec2 uv, BokehPolygon polygon,
 BokehSamplingSettings settings)
 {
-vec4 pixel = BokehFetch(Strip2Samp, uv);
+vec4 pixel = BokehFetchTexel(Strip2Samp, BokehToTexture(uv));
 BokehLine L2 = BokehLineSum(Strip2Samp, uv, 2, polygon, true, false, pixel, settings);
 return BokehResolved(L2.sum, pixel);
 }
@@ -645,7 +644,7 @@ return BokehExactFirst(MapSamp, uv, 3, polygon, settings);
 vec4 BokehHexagonSecond(BOKEH_TEXTURE Strip2Samp, BOKEH_TEXTURE Strip3Samp, vec2 uv,
 BokehPolygon polygon, BokehSamplingSettings settings)
 {
-vec4 pixel = BokehFetch(Strip2Samp, uv);
+vec4 pixel = BokehFetchTexel(Strip2Samp, BokehToTexture(uv));
 BokehLine L2 = BokehLineSum(Strip2Samp, uv, 2, polygon, true, true, pixel, settings);
 BokehLine L3 = BokehLineSum(Strip3Samp, uv, 3, polygon, true, true, pixel, settings);
 return BokehResolved(L2.sum + L3.sum, pixel);
@@ -658,7 +657,7 @@ return BokehExactFirst(MapSamp, uv, 4, polygon, settings);
 vec4 BokehOctagonSecond(BOKEH_TEXTURE Strip2Samp, BOKEH_TEXTURE Strip3Samp,
 BOKEH_TEXTURE Strip4Samp, vec2 uv, BokehPolygon polygon, BokehSamplingSettings settings)
 {
-vec4 pixel = BokehFetch(Strip2Samp, uv);
+vec4 pixel = BokehFetchTexel(Strip2Samp, BokehToTexture(uv));
 BokehLine L2 = BokehLineSum(Strip2Samp, uv, 2, polygon, true, false, pixel, settings);
 BokehLine L3 = BokehLineSum(Strip3Samp, uv, 3, polygon, true, false, pixel, settings);
 BokehLine L4 = BokehLineSum(Strip4Samp, uv, 4, polygon, true, false, pixel, settings);
@@ -673,7 +672,7 @@ vec4 BokehDecagonSecond(BOKEH_TEXTURE Strip2Samp, BOKEH_TEXTURE Strip3Samp,
 BOKEH_TEXTURE Strip4Samp, BOKEH_TEXTURE Strip5Samp, vec2 uv, BokehPolygon polygon,
 BokehSamplingSettings settings)
 {
-vec4 pixel = BokehFetch(Strip2Samp, uv);
+vec4 pixel = BokehFetchTexel(Strip2Samp, BokehToTexture(uv));
 BokehLine L2 = BokehLineSum(Strip2Samp, uv, 2, polygon, true, false, pixel, settings);
 BokehLine L3 = BokehLineSum(Strip3Samp, uv, 3, polygon, true, false, pixel, settings);
 BokehLine L4 = BokehLineSum(Strip4Samp, uv, 4, polygon, true, false, pixel, settings);
@@ -995,6 +994,10 @@ vec4 BokehFetchGrid(BOKEH_TEXTURE tex, vec2 place, BokehGrid grid)
 {
 return BokehFetchTexture(tex, BokehGridCoords(place, grid));
 }
+vec4 BokehFetchGridTexel(BOKEH_TEXTURE tex, vec2 place, BokehGrid grid)
+{
+return BokehFetchTexel(tex, BokehGridCoords(place, grid));
+}
 vec4 BokehFetchAround(BOKEH_TEXTURE tex, vec2 center, vec2 offset, BokehGrid grid)
 {
 vec2 coords = (center + offset) / grid.size;
@@ -1035,7 +1038,7 @@ for (int y = 0; y < 8; y++)
 for (int x = 0; x < 8; x++)
 {
 vec2 place = first + vec2(float(x), float(y));
-vec4 pixel = BokehFetchGrid(MapSamp, place, BokehFullGrid(layers));
+vec4 pixel = BokehFetchGridTexel(MapSamp, place, BokehFullGrid(layers));
 float s = pixel.a * layers.size.y;
 float logBrightness = log2(max(BokehBrightest(pixel.rgb), BOKEH_MIN_BRIGHTNESS));
 found = vec3(max(found.r, -s), max(found.g, s), found.b + logBrightness);
@@ -1065,7 +1068,7 @@ if (tiles > radius)
 {
 break;
 }
-vec4 tile = BokehFetchGrid(TilesSamp, layers.uv * grid.size + axis * tiles, grid);
+vec4 tile = BokehFetchGridTexel(TilesSamp, layers.uv * grid.size + axis * tiles, grid);
 found = max(found, BokehReaching(tile.rg, abs(tiles)));
 logBrightness += tile.b;
 }
@@ -1121,10 +1124,10 @@ float nearSlope = BokehNearSlope(tile.r);
 float farSlope = BokehFarSlope(tile.g);
 float inverseBrightness = exp2(-tile.b);
 float maxWeight = 500000.0 / max(layers.largest, 50.0);
-vec4 a = BokehFetchGrid(MapSamp, middle + vec2(-0.5, -0.5), full);
-vec4 b = BokehFetchGrid(MapSamp, middle + vec2(0.5, -0.5), full);
-vec4 c = BokehFetchGrid(MapSamp, middle + vec2(-0.5, 0.5), full);
-vec4 d = BokehFetchGrid(MapSamp, middle + vec2(0.5, 0.5), full);
+vec4 a = BokehFetchGridTexel(MapSamp, middle + vec2(-0.5, -0.5), full);
+vec4 b = BokehFetchGridTexel(MapSamp, middle + vec2(0.5, -0.5), full);
+vec4 c = BokehFetchGridTexel(MapSamp, middle + vec2(-0.5, 0.5), full);
+vec4 d = BokehFetchGridTexel(MapSamp, middle + vec2(0.5, 0.5), full);
 vec4 s = vec4(a.a, b.a, c.a, d.a) * full.size.y;
 vec4 nearWeights = BokehLayerWeights(-s, nearSlope);
 vec4 farWeights = BokehLayerWeights(s, farSlope);
@@ -1153,7 +1156,7 @@ for (int x = 0; x < 4; x++)
 vec2 offset = vec2(float(x) - 1.5, float(y) - 1.5);
 if ((abs(offset.x) - abs(offset.y)) * offset.x * offset.y > 0.5)
 {
-vec4 pixel = BokehFetchGrid(MapSamp, middle + offset, full);
+vec4 pixel = BokehFetchGridTexel(MapSamp, middle + offset, full);
 around = BokehSurroundings(around, pixel, BokehLayerWeight(-pixel.a *
 full.size.y, nearSlope), maxNearWeight);
 }
@@ -1222,8 +1225,8 @@ for (int y = 0; y < texels; y++)
 for (int x = 0; x < texels; x++)
 {
 vec2 place = first + vec2(float(x), float(y));
-sums += BokehFetchGrid(SumsSamp, place, grid);
-gatherCoC = max(gatherCoC, BokehFetchGrid(GatherCoCSamp, place, grid).rg);
+sums += BokehFetchGridTexel(SumsSamp, place, grid);
+gatherCoC = max(gatherCoC, BokehFetchGridTexel(GatherCoCSamp, place, grid).rg);
 }
 }
 BokehTileSums targets;
@@ -1235,7 +1238,7 @@ BokehTileSums BokehLayerCoCAlong(BOKEH_TEXTURE GatherCoCSamp, BOKEH_TEXTURE Sums
 BOKEH_TEXTURE DilatedTilesSamp, vec2 axis, BokehLayerContext layers)
 {
 BokehGrid grid = BokehReducedGrid(layers, 8.0);
-vec2 tile = BokehFetchGrid(DilatedTilesSamp, layers.uv * grid.size, grid).rg;
+vec2 tile = BokehFetchGridTexel(DilatedTilesSamp, layers.uv * grid.size, grid).rg;
 vec2 sigma = max(tile * BOKEH_TUNED_COC_SIGMA, vec2(0.6, 0.6));
 float radius = BokehReachTiles(layers);
 vec4 sums = vec4(0.0, 0.0, 0.0, 0.0);
@@ -1250,9 +1253,9 @@ break;
 }
 vec2 place = layers.uv * grid.size + axis * tiles;
 vec2 weight = exp(-0.5 * tiles * tiles / (sigma * sigma));
-sums += BokehFetchGrid(SumsSamp, place, grid) * vec4(weight.x, weight.x, weight.y,
+sums += BokehFetchGridTexel(SumsSamp, place, grid) * vec4(weight.x, weight.x, weight.y,
 weight.y);
-gatherCoC = max(gatherCoC, BokehReaching(BokehFetchGrid(GatherCoCSamp, place, grid).rg,
+gatherCoC = max(gatherCoC, BokehReaching(BokehFetchGridTexel(GatherCoCSamp, place, grid).rg,
 abs(tiles)));
 total += weight;
 }
@@ -1275,7 +1278,7 @@ BokehLayerCoCTargets BokehLayerCoCColumns(BOKEH_TEXTURE GatherCoCSamp, BOKEH_TEX
 BOKEH_TEXTURE DilatedTilesSamp, BokehLayerContext layers)
 {
 BokehGrid grid = BokehReducedGrid(layers, 8.0);
-vec2 tile = BokehFetchGrid(DilatedTilesSamp, layers.uv * grid.size, grid).rg;
+vec2 tile = BokehFetchGridTexel(DilatedTilesSamp, layers.uv * grid.size, grid).rg;
 BokehTileSums tileSums = BokehLayerCoCAlong(GatherCoCSamp, SumsSamp, DilatedTilesSamp, vec2(0.0,
 1.0), layers);
 vec4 sums = tileSums.sums;
@@ -1386,7 +1389,7 @@ for (int y = 0; y < 4; y++)
 for (int x = 0; x < 4; x++)
 {
 vec2 place = first + vec2(float(x), float(y));
-vec4 pixel = BokehFetchGrid(MapSamp, place, full);
+vec4 pixel = BokehFetchGridTexel(MapSamp, place, full);
 float s = pixel.a * full.size.y;
 float nearWeight = BokehLayerWeight(-s, nearSlope);
 float notNear = max(1.0 - 2.0 * nearWeight, 0.0625 - 0.0625 * nearWeight);
@@ -1437,8 +1440,8 @@ float inverseBrightness = exp2(-tile.b);
 vec2 corner = BokehRotated(polygon.corner, polygon.axis);
 vec2 direction = BokehEdgeDirection(1, polygon);
 vec2 turn = BokehTurn(1.0, polygon);
-vec4 midColor = BokehFetchGrid(MidSamp, center, grid);
-vec4 farColor = BokehFetchGrid(FarSamp, center, grid);
+vec4 midColor = BokehFetchGridTexel(MidSamp, center, grid);
+vec4 farColor = BokehFetchGridTexel(FarSamp, center, grid);
 vec2 weights = BokehHoleWeights(midColor, farColor, inverseBrightness);
 for (int ring = 0; ring < 3; ring++)
 {
@@ -1558,7 +1561,7 @@ targets.strip5 = BokehLayerTarget(5, polygon, L1, L2, L3, L4);
 }
 else
 {
-targets.strip2 = BokehFetchGrid(LayerSamp, center, grid);
+targets.strip2 = BokehFetchGridTexel(LayerSamp, center, grid);
 targets.strip3 = targets.strip2;
 targets.strip4 = targets.strip2;
 targets.strip5 = targets.strip2;
@@ -1593,7 +1596,7 @@ result = result / polygon.area;
 }
 else
 {
-result = BokehFetchGrid(Strip2Samp, center, grid);
+result = BokehFetchGridTexel(Strip2Samp, center, grid);
 }
 return result;
 }

@@ -289,6 +289,13 @@ float4 BokehFetchGrid(BOKEH_TEXTURE tex, float2 place, BokehGrid grid BOKEH_SAMP
     return BokehFetchTexture(tex, BokehGridCoords(place, grid) BOKEH_LINEAR);
 }
 
+// Layers: fetches one texel, whatever filter the texture has
+//   place         its centre, texels of the grid
+float4 BokehFetchGridTexel(BOKEH_TEXTURE tex, float2 place, BokehGrid grid)
+{
+    return BokehFetchTexel(tex, BokehGridCoords(place, grid));
+}
+
 // Layers: fetches with the filter at an offset from the middle of a pixel
 //   It divides, because grid.texel is rounded: in the middle of a dark texel, that error would show
 //   0.00001 of a light beside it.
@@ -352,7 +359,7 @@ float BokehLayerWeight(float CoC, float slope)
 //   the brightness to know what is bright: relative to the mean, so exposure does not change the
 //   blur.
 //   returns       r = near, g = far, both >= 0, pixels; b = mean log2 of brightness
-float4 BokehTileMax(BOKEH_TEXTURE MapSamp, BokehLayerContext layers BOKEH_SAMPLER)
+float4 BokehTileMax(BOKEH_TEXTURE MapSamp, BokehLayerContext layers)
 {
     float2 first = floor(layers.uv * ceil(layers.size / 8.0)) * 8.0 + float2(0.5, 0.5);
     float3 found = float3(0.0, 0.0, 0.0);
@@ -361,7 +368,7 @@ float4 BokehTileMax(BOKEH_TEXTURE MapSamp, BokehLayerContext layers BOKEH_SAMPLE
         for (int x = 0; x < 8; x++)
         {
             float2 place = first + float2(float(x), float(y));
-            float4 pixel = BokehFetchGrid(MapSamp, place, BokehFullGrid(layers) BOKEH_LINEAR);
+            float4 pixel = BokehFetchGridTexel(MapSamp, place, BokehFullGrid(layers));
             float s = pixel.a * layers.size.y;
             float logBrightness = log2(max(BokehBrightest(pixel.rgb), BOKEH_MIN_BRIGHTNESS));
             found = float3(max(found.r, -s), max(found.g, s), found.b + logBrightness);
@@ -394,7 +401,7 @@ float BokehReachTiles(BokehLayerContext layers)
 //      . . K . .   -->  K K K K K      if a CoC of K reaches two tiles in each direction
 //   axis          (1, 0), then (0, 1)
 //   returns       r = near, g = far, pixels; b = mean log2 of brightness of the tiles around
-float4 BokehTileDilate(BOKEH_TEXTURE TilesSamp, float2 axis, BokehLayerContext layers BOKEH_SAMPLER)
+float4 BokehTileDilate(BOKEH_TEXTURE TilesSamp, float2 axis, BokehLayerContext layers)
 {
     BokehGrid grid = BokehReducedGrid(layers, 8.0);
     float radius = BokehReachTiles(layers);
@@ -407,8 +414,8 @@ float4 BokehTileDilate(BOKEH_TEXTURE TilesSamp, float2 axis, BokehLayerContext l
         {
             break;
         }
-        float4 tile = BokehFetchGrid(TilesSamp, layers.uv * grid.size + axis * tiles,
-            grid BOKEH_LINEAR);
+        float4 tile = BokehFetchGridTexel(TilesSamp, layers.uv * grid.size + axis * tiles,
+            grid);
         found = max(found, BokehReaching(tile.rg, abs(tiles)));
         logBrightness += tile.b;
     }
@@ -489,7 +496,7 @@ float4 BokehNearPixel(float4 pixel, float nearWeight, float4 around)
 //   tile          texel of dilatedTiles that covers them
 //   returns       their mean, and the maximum for gatherCoC
 BokehPrefiltered BokehPrefilterBlock(BOKEH_TEXTURE MapSamp, float2 middle, float4 tile,
-    BokehLayerContext layers BOKEH_SAMPLER)
+    BokehLayerContext layers)
 {
     BokehGrid full = BokehFullGrid(layers);
     float nearSlope = BokehNearSlope(tile.r);
@@ -497,10 +504,10 @@ BokehPrefiltered BokehPrefilterBlock(BOKEH_TEXTURE MapSamp, float2 middle, float
     float inverseBrightness = exp2(-tile.b);
     float maxWeight = 500000.0 / max(layers.largest, 50.0);
     // the four pixels
-    float4 a = BokehFetchGrid(MapSamp, middle + float2(-0.5, -0.5), full BOKEH_LINEAR);
-    float4 b = BokehFetchGrid(MapSamp, middle + float2(0.5, -0.5), full BOKEH_LINEAR);
-    float4 c = BokehFetchGrid(MapSamp, middle + float2(-0.5, 0.5), full BOKEH_LINEAR);
-    float4 d = BokehFetchGrid(MapSamp, middle + float2(0.5, 0.5), full BOKEH_LINEAR);
+    float4 a = BokehFetchGridTexel(MapSamp, middle + float2(-0.5, -0.5), full);
+    float4 b = BokehFetchGridTexel(MapSamp, middle + float2(0.5, -0.5), full);
+    float4 c = BokehFetchGridTexel(MapSamp, middle + float2(-0.5, 0.5), full);
+    float4 d = BokehFetchGridTexel(MapSamp, middle + float2(0.5, 0.5), full);
     float4 s = float4(a.a, b.a, c.a, d.a) * full.size.y;
     float4 nearWeights = BokehLayerWeights(-s, nearSlope);
     float4 farWeights = BokehLayerWeights(s, farSlope);
@@ -532,8 +539,7 @@ BokehPrefiltered BokehPrefilterBlock(BOKEH_TEXTURE MapSamp, float2 middle, float
                 // of the twelve pixels around the block, take four, one on each side
                 if ((abs(offset.x) - abs(offset.y)) * offset.x * offset.y > 0.5)
                 {
-                    float4 pixel = BokehFetchGrid(MapSamp, middle + offset, full
-                        BOKEH_LINEAR);
+                    float4 pixel = BokehFetchGridTexel(MapSamp, middle + offset, full);
                     around = BokehSurroundings(around, pixel, BokehLayerWeight(-pixel.a *
                         full.size.y, nearSlope), maxNearWeight);
                 }
@@ -572,7 +578,7 @@ BokehPrefiltered BokehPrefilter(BOKEH_TEXTURE MapSamp, BOKEH_TEXTURE DilatedTile
     float4 tile = BokehFetchGrid(DilatedTilesSamp, center / 8.0, BokehReducedGrid(layers, 8.0)
         BOKEH_LINEAR);
     float2 first = center + (1.0 - 0.5 * float(BOKEH_LAYER_SCALE));
-    BokehPrefiltered targets = BokehPrefilterBlock(MapSamp, first, tile, layers BOKEH_LINEAR);
+    BokehPrefiltered targets = BokehPrefilterBlock(MapSamp, first, tile, layers);
     if (BOKEH_LAYER_SCALE > 2)
     {
         // a texel covers 4 x 4 pixels, which are three more blocks
@@ -581,7 +587,7 @@ BokehPrefiltered BokehPrefilter(BOKEH_TEXTURE MapSamp, BOKEH_TEXTURE DilatedTile
             float row = floor(0.5 * float(i));
             float2 middle = first + 2.0 * float2(float(i) - 2.0 * row, row);
             BokehPrefiltered block = BokehPrefilterBlock(MapSamp, middle, tile,
-                layers BOKEH_LINEAR);
+                layers);
             targets.nearLayer += block.nearLayer;
             targets.farLayer += block.farLayer;
             targets.layerCoCSums += block.layerCoCSums;
@@ -607,7 +613,7 @@ struct BokehTileSums
 //   Reads both at half size, writes the mean of the first and the maximum of the second for each
 //   tile, so that the two passes after it have few texels to read.
 BokehTileSums BokehLayerCoCReduce(BOKEH_TEXTURE SumsSamp, BOKEH_TEXTURE GatherCoCSamp,
-    BokehLayerContext layers BOKEH_SAMPLER)
+    BokehLayerContext layers)
 {
     BokehGrid grid = BokehLayerGrid(layers);
     // along a tile
@@ -620,9 +626,9 @@ BokehTileSums BokehLayerCoCReduce(BOKEH_TEXTURE SumsSamp, BOKEH_TEXTURE GatherCo
         for (int x = 0; x < texels; x++)
         {
             float2 place = first + float2(float(x), float(y));
-            sums += BokehFetchGrid(SumsSamp, place, grid BOKEH_LINEAR);
-            gatherCoC = max(gatherCoC, BokehFetchGrid(GatherCoCSamp, place,
-                grid BOKEH_LINEAR).rg);
+            sums += BokehFetchGridTexel(SumsSamp, place, grid);
+            gatherCoC = max(gatherCoC, BokehFetchGridTexel(GatherCoCSamp, place,
+                grid).rg);
         }
     }
     BokehTileSums targets;
@@ -634,10 +640,10 @@ BokehTileSums BokehLayerCoCReduce(BOKEH_TEXTURE SumsSamp, BOKEH_TEXTURE GatherCo
 // Layers: does the work of BokehLayerCoCRows along any axis
 //   axis          (1, 0) or (0, 1)
 BokehTileSums BokehLayerCoCAlong(BOKEH_TEXTURE GatherCoCSamp, BOKEH_TEXTURE SumsSamp,
-    BOKEH_TEXTURE DilatedTilesSamp, float2 axis, BokehLayerContext layers BOKEH_SAMPLER)
+    BOKEH_TEXTURE DilatedTilesSamp, float2 axis, BokehLayerContext layers)
 {
     BokehGrid grid = BokehReducedGrid(layers, 8.0);
-    float2 tile = BokehFetchGrid(DilatedTilesSamp, layers.uv * grid.size, grid BOKEH_LINEAR).rg;
+    float2 tile = BokehFetchGridTexel(DilatedTilesSamp, layers.uv * grid.size, grid).rg;
     float2 sigma = max(tile * BOKEH_TUNED_COC_SIGMA, float2(0.6, 0.6));
     float radius = BokehReachTiles(layers);
     float4 sums = float4(0.0, 0.0, 0.0, 0.0);
@@ -652,10 +658,10 @@ BokehTileSums BokehLayerCoCAlong(BOKEH_TEXTURE GatherCoCSamp, BOKEH_TEXTURE Sums
         }
         float2 place = layers.uv * grid.size + axis * tiles;
         float2 weight = exp(-0.5 * tiles * tiles / (sigma * sigma));
-        sums += BokehFetchGrid(SumsSamp, place, grid BOKEH_LINEAR) * float4(weight.x, weight.x,
+        sums += BokehFetchGridTexel(SumsSamp, place, grid) * float4(weight.x, weight.x,
             weight.y, weight.y);
-        gatherCoC = max(gatherCoC, BokehReaching(BokehFetchGrid(GatherCoCSamp, place,
-            grid BOKEH_LINEAR).rg, abs(tiles)));
+        gatherCoC = max(gatherCoC, BokehReaching(BokehFetchGridTexel(GatherCoCSamp, place,
+            grid).rg, abs(tiles)));
         total += weight;
     }
     BokehTileSums targets;
@@ -669,10 +675,10 @@ BokehTileSums BokehLayerCoCAlong(BOKEH_TEXTURE GatherCoCSamp, BOKEH_TEXTURE Sums
 //   reaches each tile, and a mean of the sums by a Gaussian with a standard deviation of 0.3 of the
 //   CoC in reach.
 BokehTileSums BokehLayerCoCRows(BOKEH_TEXTURE GatherCoCSamp, BOKEH_TEXTURE SumsSamp,
-    BOKEH_TEXTURE DilatedTilesSamp, BokehLayerContext layers BOKEH_SAMPLER)
+    BOKEH_TEXTURE DilatedTilesSamp, BokehLayerContext layers)
 {
     return BokehLayerCoCAlong(GatherCoCSamp, SumsSamp, DilatedTilesSamp, float2(1.0, 0.0),
-        layers BOKEH_LINEAR);
+        layers);
 }
 
 // Layers: holds what BokehLayerCoCColumns writes
@@ -690,12 +696,12 @@ struct BokehLayerCoCTargets
 //   layerCoC for the passes that blur the layers: a blur can be separated into two passes only
 //   where all pixels around use one CoC.
 BokehLayerCoCTargets BokehLayerCoCColumns(BOKEH_TEXTURE GatherCoCSamp, BOKEH_TEXTURE SumsSamp,
-    BOKEH_TEXTURE DilatedTilesSamp, BokehLayerContext layers BOKEH_SAMPLER)
+    BOKEH_TEXTURE DilatedTilesSamp, BokehLayerContext layers)
 {
     BokehGrid grid = BokehReducedGrid(layers, 8.0);
-    float2 tile = BokehFetchGrid(DilatedTilesSamp, layers.uv * grid.size, grid BOKEH_LINEAR).rg;
+    float2 tile = BokehFetchGridTexel(DilatedTilesSamp, layers.uv * grid.size, grid).rg;
     BokehTileSums tileSums = BokehLayerCoCAlong(GatherCoCSamp, SumsSamp, DilatedTilesSamp,
-        float2(0.0, 1.0), layers BOKEH_LINEAR);
+        float2(0.0, 1.0), layers);
     float4 sums = tileSums.sums;
     float2 layerCoC = float2(0.0, 0.0);
     if (sums.g > 0.0001 && tile.r > BOKEH_TUNED_NEAR_START)
@@ -841,7 +847,7 @@ BokehDownsampled BokehDownsample(BOKEH_TEXTURE MapSamp, BOKEH_TEXTURE DilatedTil
         for (int x = 0; x < 4; x++)
         {
             float2 place = first + float2(float(x), float(y));
-            float4 pixel = BokehFetchGrid(MapSamp, place, full BOKEH_LINEAR);
+            float4 pixel = BokehFetchGridTexel(MapSamp, place, full);
             float s = pixel.a * full.size.y;
             // a partly near pixel is hardly background, or a near light would shine through itself
             float nearWeight = BokehLayerWeight(-s, nearSlope);
@@ -919,8 +925,8 @@ BokehFilled BokehHoleFill(BOKEH_TEXTURE MidSamp, BOKEH_TEXTURE FarSamp,
     float2 corner = BokehRotated(polygon.corner, polygon.axis);
     float2 direction = BokehEdgeDirection(1, polygon);
     float2 turn = BokehTurn(1.0, polygon);
-    float4 midColor = BokehFetchGrid(MidSamp, center, grid BOKEH_LINEAR);
-    float4 farColor = BokehFetchGrid(FarSamp, center, grid BOKEH_LINEAR);
+    float4 midColor = BokehFetchGridTexel(MidSamp, center, grid);
+    float4 farColor = BokehFetchGridTexel(FarSamp, center, grid);
     float2 weights = BokehHoleWeights(midColor, farColor, inverseBrightness);
     for (int ring = 0; ring < 3; ring++)
     {
@@ -1070,7 +1076,7 @@ BokehTargets BokehLayerFirst(BOKEH_TEXTURE LayerSamp, BOKEH_TEXTURE QuarterSamp,
     }
     else
     {
-        targets.strip2 = BokehFetchGrid(LayerSamp, center, grid BOKEH_LINEAR);
+        targets.strip2 = BokehFetchGridTexel(LayerSamp, center, grid);
         targets.strip3 = targets.strip2;
         targets.strip4 = targets.strip2;
         targets.strip5 = targets.strip2;
@@ -1115,7 +1121,7 @@ float4 BokehLayerSecond(BOKEH_TEXTURE Strip2Samp, BOKEH_TEXTURE Strip3Samp,
     }
     else
     {
-        result = BokehFetchGrid(Strip2Samp, center, grid BOKEH_LINEAR);
+        result = BokehFetchGridTexel(Strip2Samp, center, grid);
     }
     return result;
 }

@@ -488,21 +488,19 @@ float4 BokehPackCoC(float4 color, float CoC)
         BOKEH_MAX_COLOR), BokehSanitize(color.b, 0.0, BOKEH_MAX_COLOR), CoC);
 }
 
-// Listing 1: returns the sum of the channels of a colour, invalid ones replaced as in the map
+// Listing 1: returns the sum of the channels of a colour; 0 if that is NaN or negative
 float BokehBrightness(float4 color)
 {
-    float4 safe = BokehPackCoC(color, 0.0);
-    return safe.r + safe.g + safe.b;
+    return BokehSanitize(color.r + color.g + color.b, 0.0, 3.0 * BOKEH_MAX_COLOR);
 }
 
 // Listing 1: returns the brighter of two neighbours of this pixel
 //   brightest     xy = direction of the brightest neighbour so far, pixels; z = its brightness
-//   color         of the next neighbour
+//   brightness    of the next neighbour
 //   direction     of the next neighbour, pixels
-float3 BokehBrighter(float3 brightest, float4 color, float2 direction)
+float3 BokehBrighter(float3 brightest, float brightness, float2 direction)
 {
     float3 result = brightest;
-    float brightness = BokehBrightness(color);
     if (brightness > brightest.z)
     {
         result = float3(direction, brightness);
@@ -528,13 +526,14 @@ float3 BokehBrighter(float3 brightest, float4 color, float2 direction)
 float4 BokehLightBeside(float4 color, float4 right, float4 left, float4 below, float4 above)
 {
     float brightness = max(BokehBrightness(color), 0.0000001);
-    float darkest = min(min(BokehBrightness(right), BokehBrightness(left)),
-        min(BokehBrightness(below), BokehBrightness(above)));
+    float4 beside = float4(BokehBrightness(right), BokehBrightness(left), BokehBrightness(below),
+        BokehBrightness(above));
+    float darkest = min(min(beside.x, beside.y), min(beside.z, beside.w));
     float3 brightest = float3(0.0, 0.0, brightness);
-    brightest = BokehBrighter(brightest, right, float2(1.0, 0.0));
-    brightest = BokehBrighter(brightest, left, float2(-1.0, 0.0));
-    brightest = BokehBrighter(brightest, below, float2(0.0, 1.0));
-    brightest = BokehBrighter(brightest, above, float2(0.0, -1.0));
+    brightest = BokehBrighter(brightest, beside.x, float2(1.0, 0.0));
+    brightest = BokehBrighter(brightest, beside.y, float2(-1.0, 0.0));
+    brightest = BokehBrighter(brightest, beside.z, float2(0.0, 1.0));
+    brightest = BokehBrighter(brightest, beside.w, float2(0.0, -1.0));
     float ratio = brightest.z / brightness;
     float dark = clamp((ratio - BOKEH_TUNED_LIGHT_START) / (BOKEH_TUNED_LIGHT_FULL -
         BOKEH_TUNED_LIGHT_START), 0.0, 1.0);
@@ -1051,7 +1050,7 @@ float4 BokehExactTarget(int k, BokehPolygon polygon, bool rays, BokehLine L1, Bo
 BokehTargets BokehExactFirst(BOKEH_TEXTURE MapSamp, float2 uv, int last, BokehPolygon polygon,
     BokehSamplingSettings settings BOKEH_SAMPLER)
 {
-    float4 centerPixel = BokehFetch(MapSamp, uv BOKEH_LINEAR);
+    float4 centerPixel = BokehFetchTexel(MapSamp, BokehToTexture(uv));
     // a hexagon has no edge 4, so a program for that edge needs no code for rays
     bool rays = false;
     if (last < 4)
@@ -1104,7 +1103,7 @@ BokehTargets BokehSquareFirst(BOKEH_TEXTURE MapSamp, float2 uv, BokehPolygon pol
 float4 BokehSquareSecond(BOKEH_TEXTURE Strip2Samp, float2 uv, BokehPolygon polygon,
     BokehSamplingSettings settings BOKEH_SAMPLER)
 {
-    float4 pixel = BokehFetch(Strip2Samp, uv BOKEH_LINEAR);
+    float4 pixel = BokehFetchTexel(Strip2Samp, BokehToTexture(uv));
     BokehLine L2 = BokehLineSum(Strip2Samp, uv, 2, polygon, true, false, pixel, settings
         BOKEH_LINEAR);
     return BokehResolved(L2.sum, pixel);
@@ -1123,7 +1122,7 @@ BokehTargets BokehHexagonFirst(BOKEH_TEXTURE MapSamp, float2 uv, BokehPolygon po
 float4 BokehHexagonSecond(BOKEH_TEXTURE Strip2Samp, BOKEH_TEXTURE Strip3Samp, float2 uv,
     BokehPolygon polygon, BokehSamplingSettings settings BOKEH_SAMPLER)
 {
-    float4 pixel = BokehFetch(Strip2Samp, uv BOKEH_LINEAR);
+    float4 pixel = BokehFetchTexel(Strip2Samp, BokehToTexture(uv));
     BokehLine L2 = BokehLineSum(Strip2Samp, uv, 2, polygon, true, true, pixel, settings
         BOKEH_LINEAR);
     BokehLine L3 = BokehLineSum(Strip3Samp, uv, 3, polygon, true, true, pixel, settings
@@ -1145,7 +1144,7 @@ float4 BokehOctagonSecond(BOKEH_TEXTURE Strip2Samp, BOKEH_TEXTURE Strip3Samp,
     BOKEH_TEXTURE Strip4Samp, float2 uv, BokehPolygon polygon,
     BokehSamplingSettings settings BOKEH_SAMPLER)
 {
-    float4 pixel = BokehFetch(Strip2Samp, uv BOKEH_LINEAR);
+    float4 pixel = BokehFetchTexel(Strip2Samp, BokehToTexture(uv));
     BokehLine L2 = BokehLineSum(Strip2Samp, uv, 2, polygon, true, false, pixel, settings
         BOKEH_LINEAR);
     BokehLine L3 = BokehLineSum(Strip3Samp, uv, 3, polygon, true, false, pixel, settings
@@ -1169,7 +1168,7 @@ float4 BokehDecagonSecond(BOKEH_TEXTURE Strip2Samp, BOKEH_TEXTURE Strip3Samp,
     BOKEH_TEXTURE Strip4Samp, BOKEH_TEXTURE Strip5Samp, float2 uv, BokehPolygon polygon,
     BokehSamplingSettings settings BOKEH_SAMPLER)
 {
-    float4 pixel = BokehFetch(Strip2Samp, uv BOKEH_LINEAR);
+    float4 pixel = BokehFetchTexel(Strip2Samp, BokehToTexture(uv));
     BokehLine L2 = BokehLineSum(Strip2Samp, uv, 2, polygon, true, false, pixel, settings
         BOKEH_LINEAR);
     BokehLine L3 = BokehLineSum(Strip3Samp, uv, 3, polygon, true, false, pixel, settings

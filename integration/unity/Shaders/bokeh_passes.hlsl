@@ -627,13 +627,13 @@ float4 BokehLateralColor_PS(BOKEH_INPUT) : BOKEH_OUTPUT
 
 float4 BokehTileMax_PS(BOKEH_INPUT) : BOKEH_OUTPUT
 {
-    return BokehTileMax(BokehColorSamp, BokehBeginTiles(uv) BOKEH_LINEAR);
+    return BokehTileMax(BokehColorSamp, BokehBeginTiles(uv));
 }
 
 float4 BokehTileDilate_PS(BOKEH_INPUT) : BOKEH_OUTPUT
 {
     float2 axis = float2(1.0 - BokehAxis, BokehAxis);
-    return BokehTileDilate(BokehColorSamp, axis, BokehBeginTiles(uv) BOKEH_LINEAR);
+    return BokehTileDilate(BokehColorSamp, axis, BokehBeginTiles(uv));
 }
 
 BokehTargets4 BokehPrefilter_PS(BOKEH_INPUT)
@@ -651,7 +651,7 @@ BokehTargets4 BokehPrefilter_PS(BOKEH_INPUT)
 BokehTargets2 BokehLayerCoCReduce_PS(BOKEH_INPUT)
 {
     BokehTileSums targets = BokehLayerCoCReduce(BokehColorSamp, BokehColorSampB,
-        BokehBeginTiles(uv) BOKEH_LINEAR);
+        BokehBeginTiles(uv));
     BokehTargets2 result;
     result.target0 = targets.gatherCoC;
     result.target1 = targets.sums;
@@ -661,7 +661,7 @@ BokehTargets2 BokehLayerCoCReduce_PS(BOKEH_INPUT)
 BokehTargets2 BokehLayerCoCRows_PS(BOKEH_INPUT)
 {
     BokehTileSums targets = BokehLayerCoCRows(BokehColorSamp, BokehColorSampB, BokehColorSampC,
-        BokehBeginTiles(uv) BOKEH_LINEAR);
+        BokehBeginTiles(uv));
     BokehTargets2 result;
     result.target0 = targets.gatherCoC;
     result.target1 = targets.sums;
@@ -671,7 +671,7 @@ BokehTargets2 BokehLayerCoCRows_PS(BOKEH_INPUT)
 BokehTargets2 BokehLayerCoCColumns_PS(BOKEH_INPUT)
 {
     BokehLayerCoCTargets targets = BokehLayerCoCColumns(BokehColorSamp, BokehColorSampB,
-        BokehColorSampC, BokehBeginTiles(uv) BOKEH_LINEAR);
+        BokehColorSampC, BokehBeginTiles(uv));
     BokehTargets2 result;
     result.target0 = targets.gatherTiles;
     result.target1 = targets.layerCoC;
@@ -787,21 +787,21 @@ float4 BokehPrefilterOne_PS(BOKEH_INPUT) : BOKEH_OUTPUT
 float4 BokehLayerCoCReduceOne_PS(BOKEH_INPUT) : BOKEH_OUTPUT
 {
     BokehTileSums targets = BokehLayerCoCReduce(BokehColorSamp, BokehColorSampB,
-        BokehBeginTiles(uv) BOKEH_LINEAR);
+        BokehBeginTiles(uv));
     return BokehSelectTarget(targets.gatherCoC, targets.sums, targets.sums, targets.sums);
 }
 
 float4 BokehLayerCoCRowsOne_PS(BOKEH_INPUT) : BOKEH_OUTPUT
 {
     BokehTileSums targets = BokehLayerCoCRows(BokehColorSamp, BokehColorSampB, BokehColorSampC,
-        BokehBeginTiles(uv) BOKEH_LINEAR);
+        BokehBeginTiles(uv));
     return BokehSelectTarget(targets.gatherCoC, targets.sums, targets.sums, targets.sums);
 }
 
 float4 BokehLayerCoCColumnsOne_PS(BOKEH_INPUT) : BOKEH_OUTPUT
 {
     BokehLayerCoCTargets targets = BokehLayerCoCColumns(BokehColorSamp, BokehColorSampB,
-        BokehColorSampC, BokehBeginTiles(uv) BOKEH_LINEAR);
+        BokehColorSampC, BokehBeginTiles(uv));
     return BokehSelectTarget(targets.gatherTiles, targets.layerCoC, targets.layerCoC,
         targets.layerCoC);
 }
