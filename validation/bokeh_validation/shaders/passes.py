@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from bokeh_validation.shaders.entries import COLORS, COPYING_ENTRIES, COUNTED, ENTRIES, Entry
+from bokeh_validation.shaders.entries import COLORS, COUNTED, ENTRIES, TEXEL_ENTRIES, Entry
 from bokeh_validation.shaders.parameters import PARAMETERS
 
 # Texture slots in the order of their registers in HLSL.
@@ -31,7 +31,7 @@ def is_linear(entry: str, slot: str) -> bool:
     if entry == "BokehStableMap":
         # only its history is sampled between texels
         return slot == "ColorSampB"
-    return slot in COLORS and entry not in COPYING_ENTRIES
+    return slot in COLORS and entry not in TEXEL_ENTRIES
 
 
 def target_size(scale: int, size: tuple[int, int]) -> tuple[int, int]:
