@@ -176,7 +176,7 @@
 
 // The gather has one more ring where its rings would be wider than this, pixels. With a higher
 // value, a thin bright line shows as a row of copies; a lower one costs fetches.
-#define BOKEH_TUNED_RING_WIDTH 3.0
+#define BOKEH_TUNED_RING_WIDTH 2.75
 
 // A gather of a single ring reaches at most this far, pixels. With a higher value, an edge shows as
 // a row of copies; with a lower one, blurs that are in no layer get too small.
@@ -188,9 +188,10 @@
 #define BOKEH_TUNED_RING_POSITION 0.58
 #define BOKEH_TUNED_RING_STEP 0.04
 
-// Pixels and the linear filter blur already, so a CoC spreads as if its squared radius were larger
-// by this, squared pixels. 0.6 suits input of one sample per pixel, 1.2 antialiased input.
-#define BOKEH_TUNED_PIXEL_BLUR 0.6
+// Pixels and the linear filter blur already, so a CoC spreads as if its squared radius were smaller
+// by about this, squared pixels. With a lower value, small blurs get too soft; with a higher one,
+// they get too sharp, and dark dots show in them.
+#define BOKEH_TUNED_PIXEL_BLUR 0.3
 
 // Half floats leave a pixel that the near layer covers at an alpha of 0.999, so alpha is multiplied
 // by this. With a lower factor, a light behind the near layer shines through; with a higher one,
@@ -1198,12 +1199,13 @@ vec4 BokehFetchLayer(BOKEH_TEXTURE LayerSamp, vec2 place, BokehGrid grid)
     return result;
 }
 
-// Layers: returns 1 / radius^2 of the discs over which two CoC spread, pixels
-//   With r = CoC / 2 it is (r^2 + BOKEH_TUNED_PIXEL_BLUR) / r^4.
-vec2 BokehSpreadInverse(vec2 CoC)
+// Layers: returns the squared radius of the discs over which two CoC spread, pixels
+//   With r = CoC / 2, it is r^4 / (r^2 + BOKEH_TUNED_PIXEL_BLUR): about r^2 minus the constant if r
+//   is large, and 0 for a CoC of 0.
+vec2 BokehSpreadSquare(vec2 CoC)
 {
-    vec2 inverse = 1.0 / max(CoC * CoC, vec2(0.000001, 0.000001));
-    return inverse * (inverse * (16.0 * BOKEH_TUNED_PIXEL_BLUR) + 4.0);
+    vec2 square = CoC * CoC * 0.25;
+    return square * square / (square + BOKEH_TUNED_PIXEL_BLUR);
 }
 
 // Layers: describes how the gather of a pixel is divided into rings
@@ -1231,12 +1233,12 @@ float BokehRingBorder(int ring, BokehRingLayout rings)
 //   front         the same of what is in front of this pixel
 //   farFound      weight of what was found in the far layer
 //   center        middle of this pixel, texels
-//   s, inverse, nearWeight  of this pixel: signed CoC in pixels, BokehSpreadInverse, near layer
+//   s, square, nearWeight  of this pixel: signed CoC in pixels, BokehSpreadSquare, near layer
 //                 weight
 //   slopes        of the near and the far layer
 //   snapping      0: linear filter; the larger, the closer to the nearest texel
-//   bounds        lower and upper limit of a sample's 1 / radius^2: the values for the gather's
-//                 radius and for the inner disc
+//   bounds        lower and upper limit of BokehSpreadSquare of this pixel and of samples: the
+//                 squared radii of the inner disc and of the gather
 //   inner         where the next ring begins, pixels
 struct BokehGather
 {
@@ -1245,7 +1247,7 @@ struct BokehGather
     float farFound;
     vec2 center;
     float s;
-    float inverse;
+    float square;
     float nearWeight;
     vec2 slopes;
     float snapping;
@@ -1319,11 +1321,9 @@ BokehGather BokehGatherRing(BokehGather before, BOKEH_TEXTURE MapSamp, int ring,
             vec2 CoC = vec2(float(pixel.a), float(other.a)) * full.size.y;
             vec2 isBehind = clamp(CoC * 2.0 - 2.0 * gather.s, zero, one) * (1.0 -
                 gather.nearWeight);
-            vec2 inverse = BokehSpreadInverse(CoC);
-            // not by their difference, which loses the other one: in focus, the value is 1e13
-            inverse = inverse * (1.0 - isBehind) + gather.inverse * isBehind;
-            inverse = clamp(inverse, gather.bounds.xx, gather.bounds.yy);
-            vec2 covers = cell * max(min(1.0 - innerSquare * inverse, area * inverse), zero);
+            vec2 square = clamp(BokehSpreadSquare(CoC), gather.bounds.xx, gather.bounds.yy);
+            square += (gather.square - square) * isBehind;
+            vec2 covers = cell * clamp(square - innerSquare, zero, vec2(area, area)) / square;
             vec2 inFar = covers * clamp(CoC * gather.slopes.y - 2.0, zero, one);
             covers = covers * (1.0 - clamp(CoC * -gather.slopes.x - 2.0, zero, one)) - inFar;
             gather.farFound += inFar.x + inFar.y;
@@ -1450,10 +1450,10 @@ vec4 BokehComposite(BOKEH_TEXTURE MapSamp, BOKEH_TEXTURE GatherTilesSamp, BOKEH_
         float nearWeight = BokehLayerWeight(-s, gather.slopes.x);
         float farWeight = BokehLayerWeight(s, gather.slopes.y);
         gather.nearWeight = nearWeight;
-        gather.inverse = BokehSpreadInverse(vec2(s, s)).x;
+        gather.square = BokehSpreadSquare(vec2(s, s)).x;
         // the gather reaches as far as the CoC of pixels in neither layer
-        float restRadius = clamp(16.0 - 16.0 * farWeight, 0.0, 1.0) * (1.0 - nearWeight) /
-            sqrt(gather.inverse);
+        float restRadius = clamp(16.0 - 16.0 * farWeight, 0.0, 1.0) * (1.0 - nearWeight) *
+            sqrt(gather.square);
         float radius = max(max(restRadius, 0.01), 0.5 * max(tile.b, tile.a * farWeight));
         if (BOKEH_LAYER_RINGS == 0)
         {
@@ -1501,8 +1501,9 @@ vec4 BokehComposite(BOKEH_TEXTURE MapSamp, BOKEH_TEXTURE GatherTilesSamp, BOKEH_
             gather.inner = radius;
         }
         // a disc smaller than the inner one reaches no other pixel
-        gather.bounds = 1.0 / vec2(radius * radius, gather.inner * gather.inner);
-        float weight = (1.0 - nearWeight) * min(gather.inverse / gather.bounds.y, 1.0);
+        gather.bounds = vec2(gather.inner * gather.inner, radius * radius);
+        gather.square = clamp(gather.square, gather.bounds.x, gather.bounds.y);
+        float weight = (1.0 - nearWeight) * gather.bounds.x / gather.square;
         // pixels of the far layer are replaced by that layer: a single one of them would be a
         // bright dot
         gather.farFound = weight * farWeight;

@@ -124,7 +124,7 @@ const BOKEH_TUNED_SQUARE_SIDE: f32 = 0.2;
 
 // The gather has one more ring where its rings would be wider than this, pixels. With a higher
 // value, a thin bright line shows as a row of copies; a lower one costs fetches.
-const BOKEH_TUNED_RING_WIDTH: f32 = 3.0;
+const BOKEH_TUNED_RING_WIDTH: f32 = 2.75;
 
 // A gather of a single ring reaches at most this far, pixels. With a higher value, an edge shows as
 // a row of copies; with a lower one, blurs that are in no layer get too small.
@@ -136,9 +136,10 @@ const BOKEH_TUNED_SINGLE_RADIUS: f32 = 6.0;
 const BOKEH_TUNED_RING_POSITION: f32 = 0.58;
 const BOKEH_TUNED_RING_STEP: f32 = 0.04;
 
-// Pixels and the linear filter blur already, so a CoC spreads as if its squared radius were larger
-// by this, squared pixels. 0.6 suits input of one sample per pixel, 1.2 antialiased input.
-const BOKEH_TUNED_PIXEL_BLUR: f32 = 0.6;
+// Pixels and the linear filter blur already, so a CoC spreads as if its squared radius were smaller
+// by about this, squared pixels. With a lower value, small blurs get too soft; with a higher one,
+// they get too sharp, and dark dots show in them.
+const BOKEH_TUNED_PIXEL_BLUR: f32 = 0.3;
 
 // Half floats leave a pixel that the near layer covers at an alpha of 0.999, so alpha is multiplied
 // by this. With a lower factor, a light behind the near layer shines through; with a higher one,
@@ -1178,12 +1179,13 @@ fn BokehFetchLayer(LayerSamp: texture_2d<f32>, place: vec2f, grid: BokehGrid,
     return result;
 }
 
-// Layers: returns 1 / radius^2 of the discs over which two CoC spread, pixels
-//   With r = CoC / 2 it is (r^2 + BOKEH_TUNED_PIXEL_BLUR) / r^4.
-fn BokehSpreadInverse(CoC: vec2f) -> vec2f
+// Layers: returns the squared radius of the discs over which two CoC spread, pixels
+//   With r = CoC / 2, it is r^4 / (r^2 + BOKEH_TUNED_PIXEL_BLUR): about r^2 minus the constant if r
+//   is large, and 0 for a CoC of 0.
+fn BokehSpreadSquare(CoC: vec2f) -> vec2f
 {
-    let inverse: vec2f = 1.0 / max(CoC * CoC, vec2f(0.000001, 0.000001));
-    return inverse * (inverse * (16.0 * BOKEH_TUNED_PIXEL_BLUR) + 4.0);
+    let square: vec2f = CoC * CoC * 0.25;
+    return square * square / (square + BOKEH_TUNED_PIXEL_BLUR);
 }
 
 // Layers: describes how the gather of a pixel is divided into rings
@@ -1211,12 +1213,12 @@ fn BokehRingBorder(ring: i32, rings: BokehRingLayout) -> f32
 //   front         the same of what is in front of this pixel
 //   farFound      weight of what was found in the far layer
 //   center        middle of this pixel, texels
-//   s, inverse, nearWeight  of this pixel: signed CoC in pixels, BokehSpreadInverse, near layer
+//   s, square, nearWeight  of this pixel: signed CoC in pixels, BokehSpreadSquare, near layer
 //                 weight
 //   slopes        of the near and the far layer
 //   snapping      0: linear filter; the larger, the closer to the nearest texel
-//   bounds        lower and upper limit of a sample's 1 / radius^2: the values for the gather's
-//                 radius and for the inner disc
+//   bounds        lower and upper limit of BokehSpreadSquare of this pixel and of samples: the
+//                 squared radii of the inner disc and of the gather
 //   inner         where the next ring begins, pixels
 struct BokehGather
 {
@@ -1225,7 +1227,7 @@ struct BokehGather
     farFound: f32,
     center: vec2f,
     s: f32,
-    inverse: f32,
+    square: f32,
     nearWeight: f32,
     slopes: vec2f,
     snapping: f32,
@@ -1300,11 +1302,10 @@ fn BokehGatherRing(before: BokehGather, MapSamp: texture_2d<f32>, ring: i32, onE
             let CoC: vec2f = vec2f(f32(pixel.a), f32(other.a)) * full.size.y;
             let isBehind: vec2f = clamp(CoC * 2.0 - 2.0 * gather.s, zero, one) * (1.0 -
                 gather.nearWeight);
-            var inverse: vec2f = BokehSpreadInverse(CoC);
-            // not by their difference, which loses the other one: in focus, the value is 1e13
-            inverse = inverse * (1.0 - isBehind) + gather.inverse * isBehind;
-            inverse = clamp(inverse, gather.bounds.xx, gather.bounds.yy);
-            var covers: vec2f = cell * max(min(1.0 - innerSquare * inverse, area * inverse), zero);
+            var square: vec2f = clamp(BokehSpreadSquare(CoC), gather.bounds.xx, gather.bounds.yy);
+            square += (gather.square - square) * isBehind;
+            var covers: vec2f = cell * clamp(square - innerSquare, zero, vec2f(area, area)) /
+                square;
             let inFar: vec2f = covers * clamp(CoC * gather.slopes.y - 2.0, zero, one);
             covers = covers * (1.0 - clamp(CoC * -gather.slopes.x - 2.0, zero, one)) - inFar;
             gather.farFound += inFar.x + inFar.y;
@@ -1436,10 +1437,10 @@ fn BokehComposite(MapSamp: texture_2d<f32>, GatherTilesSamp: texture_2d<f32>,
         let nearWeight: f32 = BokehLayerWeight(-s, gather.slopes.x);
         let farWeight: f32 = BokehLayerWeight(s, gather.slopes.y);
         gather.nearWeight = nearWeight;
-        gather.inverse = BokehSpreadInverse(vec2f(s, s)).x;
+        gather.square = BokehSpreadSquare(vec2f(s, s)).x;
         // the gather reaches as far as the CoC of pixels in neither layer
-        let restRadius: f32 = clamp(16.0 - 16.0 * farWeight, 0.0, 1.0) * (1.0 - nearWeight) /
-            sqrt(gather.inverse);
+        let restRadius: f32 = clamp(16.0 - 16.0 * farWeight, 0.0, 1.0) * (1.0 - nearWeight) *
+            sqrt(gather.square);
         var radius: f32 = max(max(restRadius, 0.01), 0.5 * max(tile.b, tile.a * farWeight));
         if (BOKEH_LAYER_RINGS == 0)
         {
@@ -1487,8 +1488,9 @@ fn BokehComposite(MapSamp: texture_2d<f32>, GatherTilesSamp: texture_2d<f32>,
             gather.inner = radius;
         }
         // a disc smaller than the inner one reaches no other pixel
-        gather.bounds = 1.0 / vec2f(radius * radius, gather.inner * gather.inner);
-        let weight: f32 = (1.0 - nearWeight) * min(gather.inverse / gather.bounds.y, 1.0);
+        gather.bounds = vec2f(gather.inner * gather.inner, radius * radius);
+        gather.square = clamp(gather.square, gather.bounds.x, gather.bounds.y);
+        let weight: f32 = (1.0 - nearWeight) * gather.bounds.x / gather.square;
         // pixels of the far layer are replaced by that layer: a single one of them would be a
         // bright dot
         gather.farFound = weight * farWeight;

@@ -1111,9 +1111,9 @@ result=clamp(sum,min(min(c,min(l,r)),min(t,b)),max(max(c,max(l,r)),max(t,b)));}
 else{
 result=BokehFetchGrid(LayerSamp,place,grid);}
 return result;}
-vec2 BokehSpreadInverse(vec2 CoC){
-vec2 inverse=1./max(CoC*CoC,vec2(.000001));
-return inverse*(inverse*(16.*.6)+4.);}
+vec2 BokehSpreadSquare(vec2 CoC){
+vec2 square=CoC*CoC*.25;
+return square*square/(square+.3);}
 struct BokehRingLayout{
 float radius;
 float spacing;
@@ -1128,7 +1128,7 @@ vec4 front;
 float farFound;
 vec2 center;
 float s;
-float inverse;
+float square;
 float nearWeight;
 vec2 slopes;
 float snapping;
@@ -1165,10 +1165,9 @@ vec4 pixel=(BokehFetchAround(MapSamp,gather.center,offset,full));
 vec4 other=(BokehFetchAround(MapSamp,gather.center,-offset,full));
 vec2 CoC=vec2(float(pixel.a),float(other.a))*full.size.y;
 vec2 isBehind=clamp(CoC*2.-2.*gather.s,zero,one)*(1. -gather.nearWeight);
-vec2 inverse=BokehSpreadInverse(CoC);
-inverse=inverse*(1.-isBehind)+gather.inverse*isBehind;
-inverse=clamp(inverse,gather.bounds.xx,gather.bounds.yy);
-vec2 covers=cell*max(min(1.-innerSquare*inverse,area*inverse),zero);
+vec2 square=clamp(BokehSpreadSquare(CoC),gather.bounds.xx,gather.bounds.yy);
+square+=(gather.square-square)*isBehind;
+vec2 covers=cell*clamp(square-innerSquare,zero,vec2(area,area))/square;
 vec2 inFar=covers*clamp(CoC*gather.slopes.y-2.,zero,one);
 covers=covers*(1.-clamp(CoC * -gather.slopes.x-2.,zero,one))-inFar;
 gather.farFound+=inFar.x+inFar.y;
@@ -1233,9 +1232,8 @@ gather.slopes=vec2(BokehNearSlope(tile.r),BokehFarSlope(tile.g));
 float nearWeight=BokehLayerWeight(-s,gather.slopes.x);
 float farWeight=BokehLayerWeight(s,gather.slopes.y);
 gather.nearWeight=nearWeight;
-gather.inverse=BokehSpreadInverse(vec2(s,s)).x;
-float restRadius=clamp(16.-16.*farWeight,0.,1.)*(1.-nearWeight) /
-sqrt(gather.inverse);
+gather.square=BokehSpreadSquare(vec2(s,s)).x;
+float restRadius=clamp(16.-16.*farWeight,0.,1.)*(1.-nearWeight)*sqrt(gather.square);
 float radius=max(max(restRadius,.01),.5*max(tile.b,tile.a*farWeight));
 if(BOKEH_LAYER_RINGS==0){
 radius=min(radius,6.);}
@@ -1249,16 +1247,17 @@ if(BOKEH_LAYER_CUBIC>0){
 hasFreeFetches=tile.g<=10.&&nearWeight<=0.;}
 if(hasFreeFetches){
 denseRings+=1.;}
-float outline=clamp(2.-abs(s),0.,1.)*clamp(layerReach-14.+4.*float(BOKEH_LAYER_CUBIC),0.,1.)*clamp(max(2.*3.*denseRings,1.)-2.*radius,0.,1.);
+float outline=clamp(2.-abs(s),0.,1.)*clamp(layerReach-14.+4.*float(BOKEH_LAYER_CUBIC),0.,1.)*clamp(max(2.*2.75*denseRings,1.)-2.*radius,0.,1.);
 float rings=denseRings;
 if(max(nearWeight,farWeight*tile.r*float(BOKEH_LAYER_RINGS-1))<=0.){
-rings=max(rings,min(radius/3.,float(BOKEH_LAYER_RINGS)+1.));}
+rings=max(rings,min(radius/2.75,float(BOKEH_LAYER_RINGS)+1.));}
 ringLayout.spacing=max(min(radius/1.499,1.),radius/(rings+.499));
 gather.inner=BokehRingBorder(0,ringLayout);
 if(radius<.5){
 gather.inner=radius;}
-gather.bounds=1./vec2(radius*radius,gather.inner*gather.inner);
-float weight=(1.-nearWeight)*min(gather.inverse/gather.bounds.y,1.);
+gather.bounds=vec2(gather.inner*gather.inner,radius*radius);
+gather.square=clamp(gather.square,gather.bounds.x,gather.bounds.y);
+float weight=(1.-nearWeight)*gather.bounds.x/gather.square;
 gather.farFound=weight*farWeight;
 gather.sum=vec4(vec4((vec4(centerPixel.rgb,1.)))*(weight-gather.farFound));
 gather.front=vec4(0.);
@@ -2343,16 +2342,16 @@ result=clamp(sum,min(min(c,min(l,r)),min(t,b)),max(max(c,max(l,r)),max(t,b)));}
 else{
 result=BokehFetchGrid(LayerSamp,place,grid,BokehLinearClamp);}
 return result;}
-fn BokehSpreadInverse(CoC:vec2f)->vec2f{
-let inverse=1./max(CoC*CoC,vec2f(.000001));
-return inverse*(inverse*(16.*.6)+4.);}
+fn BokehSpreadSquare(CoC:vec2f)->vec2f{
+let square=CoC*CoC*.25;
+return square*square/(square+.3);}
 struct BokehRingLayout{
 radius:f32,spacing:f32,narrowing:f32,}
 fn BokehRingBorder(ring:i32,rings:BokehRingLayout)->f32{
 let even=rings.spacing*(f32(ring)+.5);
 return max(even+even*(even/rings.radius-1.)*rings.narrowing,min(even,f32(ring)+.5));}
 struct BokehGather{
-sum:vec4f,front:vec4f,farFound:f32,center:vec2f,s:f32,inverse:f32,nearWeight:f32,slopes:vec2f,snapping:f32,bounds:vec2f,inner:f32,}
+sum:vec4f,front:vec4f,farFound:f32,center:vec2f,s:f32,square:f32,nearWeight:f32,slopes:vec2f,snapping:f32,bounds:vec2f,inner:f32,}
 fn BokehGatherRing(before:BokehGather,MapSamp:texture_2d<f32>,ring:i32,onEdge:i32,outer:f32,polygon:BokehPolygon,layers:BokehLayerContext,BokehLinearClamp:sampler)->BokehGather{
 var gather=before;
 let full=BokehFullGrid(layers);
@@ -2383,10 +2382,10 @@ let pixel=(BokehFetchAround(MapSamp,gather.center,offset,full,BokehLinearClamp))
 let other=(BokehFetchAround(MapSamp,gather.center,-offset,full,BokehLinearClamp));
 let CoC=vec2f(f32(pixel.a),f32(other.a))*full.size.y;
 let isBehind=clamp(CoC*2.-2.*gather.s,zero,one)*(1. -gather.nearWeight);
-var inverse=BokehSpreadInverse(CoC);
-inverse=inverse*(1.-isBehind)+gather.inverse*isBehind;
-inverse=clamp(inverse,gather.bounds.xx,gather.bounds.yy);
-var covers=cell*max(min(1.-innerSquare*inverse,area*inverse),zero);
+var square=clamp(BokehSpreadSquare(CoC),gather.bounds.xx,gather.bounds.yy);
+square+=(gather.square-square)*isBehind;
+var covers=cell*clamp(square-innerSquare,zero,vec2f(area,area)) /
+square;
 let inFar=covers*clamp(CoC*gather.slopes.y-2.,zero,one);
 covers=covers*(1.-clamp(CoC * -gather.slopes.x-2.,zero,one))-inFar;
 gather.farFound+=inFar.x+inFar.y;
@@ -2451,9 +2450,8 @@ gather.slopes=vec2f(BokehNearSlope(tile.r),BokehFarSlope(tile.g));
 let nearWeight=BokehLayerWeight(-s,gather.slopes.x);
 let farWeight=BokehLayerWeight(s,gather.slopes.y);
 gather.nearWeight=nearWeight;
-gather.inverse=BokehSpreadInverse(vec2f(s,s)).x;
-let restRadius=clamp(16.-16.*farWeight,0.,1.)*(1.-nearWeight) /
-sqrt(gather.inverse);
+gather.square=BokehSpreadSquare(vec2f(s,s)).x;
+let restRadius=clamp(16.-16.*farWeight,0.,1.)*(1.-nearWeight)*sqrt(gather.square);
 var radius=max(max(restRadius,.01),.5*max(tile.b,tile.a*farWeight));
 if(BOKEH_LAYER_RINGS==0){
 radius=min(radius,6.);}
@@ -2467,16 +2465,17 @@ if(BOKEH_LAYER_CUBIC>0){
 hasFreeFetches=tile.g<=10.&&nearWeight<=0.;}
 if(hasFreeFetches){
 denseRings+=1.;}
-var outline=clamp(2.-abs(s),0.,1.)*clamp(layerReach-14.+4.*f32(BOKEH_LAYER_CUBIC),0.,1.)*clamp(max(2.*3.*denseRings,1.)-2.*radius,0.,1.);
+var outline=clamp(2.-abs(s),0.,1.)*clamp(layerReach-14.+4.*f32(BOKEH_LAYER_CUBIC),0.,1.)*clamp(max(2.*2.75*denseRings,1.)-2.*radius,0.,1.);
 var rings=denseRings;
 if(max(nearWeight,farWeight*tile.r*f32(BOKEH_LAYER_RINGS-1))<=0.){
-rings=max(rings,min(radius/3.,f32(BOKEH_LAYER_RINGS)+1.));}
+rings=max(rings,min(radius/2.75,f32(BOKEH_LAYER_RINGS)+1.));}
 ringLayout.spacing=max(min(radius/1.499,1.),radius/(rings+.499));
 gather.inner=BokehRingBorder(0,ringLayout);
 if(radius<.5){
 gather.inner=radius;}
-gather.bounds=1./vec2f(radius*radius,gather.inner*gather.inner);
-let weight=(1.-nearWeight)*min(gather.inverse/gather.bounds.y,1.);
+gather.bounds=vec2f(gather.inner*gather.inner,radius*radius);
+gather.square=clamp(gather.square,gather.bounds.x,gather.bounds.y);
+let weight=(1.-nearWeight)*gather.bounds.x/gather.square;
 gather.farFound=weight*farWeight;
 gather.sum=vec4f(vec4f((vec4f(centerPixel.rgb,1.)))*(weight-gather.farFound));
 gather.front=vec4f(0.);

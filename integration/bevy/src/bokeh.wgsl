@@ -809,11 +809,11 @@ const BOKEH_TUNED_NEAR_QUARTER: f32 = 1.5;
 const BOKEH_TUNED_FAR_QUARTER: f32 = 1.15;
 const BOKEH_TUNED_HEXAGON_SIDE: f32 = 0.4;
 const BOKEH_TUNED_SQUARE_SIDE: f32 = 0.2;
-const BOKEH_TUNED_RING_WIDTH: f32 = 3.0;
+const BOKEH_TUNED_RING_WIDTH: f32 = 2.75;
 const BOKEH_TUNED_SINGLE_RADIUS: f32 = 6.0;
 const BOKEH_TUNED_RING_POSITION: f32 = 0.58;
 const BOKEH_TUNED_RING_STEP: f32 = 0.04;
-const BOKEH_TUNED_PIXEL_BLUR: f32 = 0.6;
+const BOKEH_TUNED_PIXEL_BLUR: f32 = 0.3;
 const BOKEH_TUNED_NEAR_ALPHA: f32 = 1.002;
 struct BokehGrid
 {
@@ -1584,10 +1584,10 @@ result = BokehFetchGrid(LayerSamp, place, grid, BokehLinearClamp);
 }
 return result;
 }
-fn BokehSpreadInverse(CoC: vec2f) -> vec2f
+fn BokehSpreadSquare(CoC: vec2f) -> vec2f
 {
-let inverse: vec2f = 1.0 / max(CoC * CoC, vec2f(0.000001, 0.000001));
-return inverse * (inverse * (16.0 * BOKEH_TUNED_PIXEL_BLUR) + 4.0);
+let square: vec2f = CoC * CoC * 0.25;
+return square * square / (square + BOKEH_TUNED_PIXEL_BLUR);
 }
 struct BokehRingLayout
 {
@@ -1608,7 +1608,7 @@ front: BokehHalf4,
 farFound: f32,
 center: vec2f,
 s: f32,
-inverse: f32,
+square: f32,
 nearWeight: f32,
 slopes: vec2f,
 snapping: f32,
@@ -1665,10 +1665,10 @@ full, BokehLinearClamp));
 let CoC: vec2f = vec2f(f32(pixel.a), f32(other.a)) * full.size.y;
 let isBehind: vec2f = clamp(CoC * 2.0 - 2.0 * gather.s, zero, one) * (1.0 -
 gather.nearWeight);
-var inverse: vec2f = BokehSpreadInverse(CoC);
-inverse = inverse * (1.0 - isBehind) + gather.inverse * isBehind;
-inverse = clamp(inverse, gather.bounds.xx, gather.bounds.yy);
-var covers: vec2f = cell * max(min(1.0 - innerSquare * inverse, area * inverse), zero);
+var square: vec2f = clamp(BokehSpreadSquare(CoC), gather.bounds.xx, gather.bounds.yy);
+square += (gather.square - square) * isBehind;
+var covers: vec2f = cell * clamp(square - innerSquare, zero, vec2f(area, area)) /
+square;
 let inFar: vec2f = covers * clamp(CoC * gather.slopes.y - 2.0, zero, one);
 covers = covers * (1.0 - clamp(CoC * -gather.slopes.x - 2.0, zero, one)) - inFar;
 gather.farFound += inFar.x + inFar.y;
@@ -1760,9 +1760,9 @@ gather.slopes = vec2f(BokehNearSlope(tile.r), BokehFarSlope(tile.g));
 let nearWeight: f32 = BokehLayerWeight(-s, gather.slopes.x);
 let farWeight: f32 = BokehLayerWeight(s, gather.slopes.y);
 gather.nearWeight = nearWeight;
-gather.inverse = BokehSpreadInverse(vec2f(s, s)).x;
-let restRadius: f32 = clamp(16.0 - 16.0 * farWeight, 0.0, 1.0) * (1.0 - nearWeight) /
-sqrt(gather.inverse);
+gather.square = BokehSpreadSquare(vec2f(s, s)).x;
+let restRadius: f32 = clamp(16.0 - 16.0 * farWeight, 0.0, 1.0) * (1.0 - nearWeight) *
+sqrt(gather.square);
 var radius: f32 = max(max(restRadius, 0.01), 0.5 * max(tile.b, tile.a * farWeight));
 if (BOKEH_LAYER_RINGS == 0)
 {
@@ -1798,8 +1798,9 @@ if (radius < 0.5)
 {
 gather.inner = radius;
 }
-gather.bounds = 1.0 / vec2f(radius * radius, gather.inner * gather.inner);
-let weight: f32 = (1.0 - nearWeight) * min(gather.inverse / gather.bounds.y, 1.0);
+gather.bounds = vec2f(gather.inner * gather.inner, radius * radius);
+gather.square = clamp(gather.square, gather.bounds.x, gather.bounds.y);
+let weight: f32 = (1.0 - nearWeight) * gather.bounds.x / gather.square;
 gather.farFound = weight * farWeight;
 gather.sum = BokehHalf4(vec4f(BokehHalfTexel(vec4f(centerPixel.rgb, 1.0))) *
 (weight - gather.farFound));

@@ -924,11 +924,11 @@ return BokehResolve(color, totalWeight, centerPixel, blurCoC);
 #define BOKEH_TUNED_FAR_QUARTER 1.15
 #define BOKEH_TUNED_HEXAGON_SIDE 0.4
 #define BOKEH_TUNED_SQUARE_SIDE 0.2
-#define BOKEH_TUNED_RING_WIDTH 3.0
+#define BOKEH_TUNED_RING_WIDTH 2.75
 #define BOKEH_TUNED_SINGLE_RADIUS 6.0
 #define BOKEH_TUNED_RING_POSITION 0.58
 #define BOKEH_TUNED_RING_STEP 0.04
-#define BOKEH_TUNED_PIXEL_BLUR 0.6
+#define BOKEH_TUNED_PIXEL_BLUR 0.3
 #define BOKEH_TUNED_NEAR_ALPHA 1.002
 struct BokehGrid
 {
@@ -1667,10 +1667,10 @@ result = BokehFetchGrid(LayerSamp, place, grid);
 }
 return result;
 }
-vec2 BokehSpreadInverse(vec2 CoC)
+vec2 BokehSpreadSquare(vec2 CoC)
 {
-vec2 inverse = 1.0 / max(CoC * CoC, vec2(0.000001, 0.000001));
-return inverse * (inverse * (16.0 * BOKEH_TUNED_PIXEL_BLUR) + 4.0);
+vec2 square = CoC * CoC * 0.25;
+return square * square / (square + BOKEH_TUNED_PIXEL_BLUR);
 }
 struct BokehRingLayout
 {
@@ -1691,7 +1691,7 @@ BOKEH_HALF4 front;
 float farFound;
 vec2 center;
 float s;
-float inverse;
+float square;
 float nearWeight;
 vec2 slopes;
 float snapping;
@@ -1747,10 +1747,9 @@ full));
 vec2 CoC = vec2(float(pixel.a), float(other.a)) * full.size.y;
 vec2 isBehind = clamp(CoC * 2.0 - 2.0 * gather.s, zero, one) * (1.0 -
 gather.nearWeight);
-vec2 inverse = BokehSpreadInverse(CoC);
-inverse = inverse * (1.0 - isBehind) + gather.inverse * isBehind;
-inverse = clamp(inverse, gather.bounds.xx, gather.bounds.yy);
-vec2 covers = cell * max(min(1.0 - innerSquare * inverse, area * inverse), zero);
+vec2 square = clamp(BokehSpreadSquare(CoC), gather.bounds.xx, gather.bounds.yy);
+square += (gather.square - square) * isBehind;
+vec2 covers = cell * clamp(square - innerSquare, zero, vec2(area, area)) / square;
 vec2 inFar = covers * clamp(CoC * gather.slopes.y - 2.0, zero, one);
 covers = covers * (1.0 - clamp(CoC * -gather.slopes.x - 2.0, zero, one)) - inFar;
 gather.farFound += inFar.x + inFar.y;
@@ -1837,9 +1836,9 @@ gather.slopes = vec2(BokehNearSlope(tile.r), BokehFarSlope(tile.g));
 float nearWeight = BokehLayerWeight(-s, gather.slopes.x);
 float farWeight = BokehLayerWeight(s, gather.slopes.y);
 gather.nearWeight = nearWeight;
-gather.inverse = BokehSpreadInverse(vec2(s, s)).x;
-float restRadius = clamp(16.0 - 16.0 * farWeight, 0.0, 1.0) * (1.0 - nearWeight) /
-sqrt(gather.inverse);
+gather.square = BokehSpreadSquare(vec2(s, s)).x;
+float restRadius = clamp(16.0 - 16.0 * farWeight, 0.0, 1.0) * (1.0 - nearWeight) *
+sqrt(gather.square);
 float radius = max(max(restRadius, 0.01), 0.5 * max(tile.b, tile.a * farWeight));
 if (BOKEH_LAYER_RINGS == 0)
 {
@@ -1875,8 +1874,9 @@ if (radius < 0.5)
 {
 gather.inner = radius;
 }
-gather.bounds = 1.0 / vec2(radius * radius, gather.inner * gather.inner);
-float weight = (1.0 - nearWeight) * min(gather.inverse / gather.bounds.y, 1.0);
+gather.bounds = vec2(gather.inner * gather.inner, radius * radius);
+gather.square = clamp(gather.square, gather.bounds.x, gather.bounds.y);
+float weight = (1.0 - nearWeight) * gather.bounds.x / gather.square;
 gather.farFound = weight * farWeight;
 gather.sum = BOKEH_TO_HALF4(vec4(BokehHalfTexel(vec4(centerPixel.rgb, 1.0))) *
 (weight - gather.farFound));

@@ -18,7 +18,8 @@ from bokeh_validation.frame import methods
 from bokeh_validation.plan import fetches
 from bokeh_validation.probes import highlight, lights, near_edges
 from bokeh_validation.probes.model import Case, depth_of, flat
-from bokeh_validation.shaders.passes import COPYING_ENTRIES, Pass
+from bokeh_validation.shaders.entries import COPYING_ENTRIES
+from bokeh_validation.shaders.passes import Pass
 
 BLUR = 24  # pixels
 LAYERED = near_edges.settings()
@@ -347,3 +348,20 @@ def test_in_focus_behind(driver):
     depth[38:42], depth[42:] = near_edges.metres(-8.0, size[1]), near_edges.metres(-16.0, size[1])
     image = layered(driver, Case("in focus behind", LAYERED, color, depth))
     np.testing.assert_array_equal(image[strip], 2.0**-6)
+
+
+@in_each_language
+def test_a_light_while_the_near_layer_appears(driver):
+    """Check that a near light over a sharp background keeps its energy while it passes from the gather to the layer.
+
+    The light's weight in the near layer grows from 0 to 1 while its CoC grows from 8.4 to 9.6 pixels
+    (BokehLayerWeight). The energy must stay between what the gather alone keeps at 8.25 pixels and the layer alone at
+    10, within 0.02: the gather's samples lie elsewhere at each CoC, which changes its energy by that much.
+    """
+    size, light, energy = (96, 64), (slice(28, 32), slice(40, 44)), {}
+    for coc in (8.25, 8.5, 8.75, 9.0, 9.25, 9.5, 10.0):
+        color, depth = flat(size, 0.0), depth_of(size, near_edges.metres(0.0, size[1]))
+        color[light][..., :3], depth[light] = 64.0, near_edges.metres(-coc, size[1])
+        energy[coc] = layered(driver, Case("light", LAYERED, color, depth)).sum() / color[..., :3].sum(dtype=np.float64)
+    before, *between, after = energy.values()
+    assert min(before, after) - 0.02 <= min(between) <= max(between) <= max(before, after) + 0.02, energy
