@@ -1020,7 +1020,7 @@ vec4 BokehExactTarget(int k, BokehPolygon polygon, bool rays, BokehLine L1, Boke
 BokehTargets BokehExactFirst(BOKEH_TEXTURE MapSamp, vec2 uv, int last, BokehPolygon polygon,
     BokehSamplingSettings settings)
 {
-    vec4 centerPixel = BokehFetchTexel(MapSamp, BokehToTexture(uv));
+    vec4 centerPixel = BokehFetch(MapSamp, uv);
     // a hexagon has no edge 4, so a program for that edge needs no code for rays
     bool rays = false;
     if (last < 4)
@@ -1072,7 +1072,7 @@ BokehTargets BokehSquareFirst(BOKEH_TEXTURE MapSamp, vec2 uv, BokehPolygon polyg
 vec4 BokehSquareSecond(BOKEH_TEXTURE Strip2Samp, vec2 uv, BokehPolygon polygon,
     BokehSamplingSettings settings)
 {
-    vec4 pixel = BokehFetchTexel(Strip2Samp, BokehToTexture(uv));
+    vec4 pixel = BokehFetch(Strip2Samp, uv);
     BokehLine L2 = BokehLineSum(Strip2Samp, uv, 2, polygon, true, false, pixel, settings);
     return BokehResolved(L2.sum, pixel);
 }
@@ -1090,7 +1090,7 @@ BokehTargets BokehHexagonFirst(BOKEH_TEXTURE MapSamp, vec2 uv, BokehPolygon poly
 vec4 BokehHexagonSecond(BOKEH_TEXTURE Strip2Samp, BOKEH_TEXTURE Strip3Samp, vec2 uv,
     BokehPolygon polygon, BokehSamplingSettings settings)
 {
-    vec4 pixel = BokehFetchTexel(Strip2Samp, BokehToTexture(uv));
+    vec4 pixel = BokehFetch(Strip2Samp, uv);
     BokehLine L2 = BokehLineSum(Strip2Samp, uv, 2, polygon, true, true, pixel, settings);
     BokehLine L3 = BokehLineSum(Strip3Samp, uv, 3, polygon, true, true, pixel, settings);
     return BokehResolved(L2.sum + L3.sum, pixel);
@@ -1109,7 +1109,7 @@ BokehTargets BokehOctagonFirst(BOKEH_TEXTURE MapSamp, vec2 uv, BokehPolygon poly
 vec4 BokehOctagonSecond(BOKEH_TEXTURE Strip2Samp, BOKEH_TEXTURE Strip3Samp,
     BOKEH_TEXTURE Strip4Samp, vec2 uv, BokehPolygon polygon, BokehSamplingSettings settings)
 {
-    vec4 pixel = BokehFetchTexel(Strip2Samp, BokehToTexture(uv));
+    vec4 pixel = BokehFetch(Strip2Samp, uv);
     BokehLine L2 = BokehLineSum(Strip2Samp, uv, 2, polygon, true, false, pixel, settings);
     BokehLine L3 = BokehLineSum(Strip3Samp, uv, 3, polygon, true, false, pixel, settings);
     BokehLine L4 = BokehLineSum(Strip4Samp, uv, 4, polygon, true, false, pixel, settings);
@@ -1130,7 +1130,7 @@ vec4 BokehDecagonSecond(BOKEH_TEXTURE Strip2Samp, BOKEH_TEXTURE Strip3Samp,
     BOKEH_TEXTURE Strip4Samp, BOKEH_TEXTURE Strip5Samp, vec2 uv, BokehPolygon polygon,
     BokehSamplingSettings settings)
 {
-    vec4 pixel = BokehFetchTexel(Strip2Samp, BokehToTexture(uv));
+    vec4 pixel = BokehFetch(Strip2Samp, uv);
     BokehLine L2 = BokehLineSum(Strip2Samp, uv, 2, polygon, true, false, pixel, settings);
     BokehLine L3 = BokehLineSum(Strip3Samp, uv, 3, polygon, true, false, pixel, settings);
     BokehLine L4 = BokehLineSum(Strip4Samp, uv, 4, polygon, true, false, pixel, settings);

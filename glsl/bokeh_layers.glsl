@@ -412,7 +412,7 @@ vec4 BokehTileDilate(BOKEH_TEXTURE TilesSamp, vec2 axis, BokehLayerContext layer
         {
             break;
         }
-        vec4 tile = BokehFetchGridTexel(TilesSamp, layers.uv * grid.size + axis * tiles, grid);
+        vec4 tile = BokehFetchGrid(TilesSamp, layers.uv * grid.size + axis * tiles, grid);
         found = max(found, BokehReaching(tile.rg, abs(tiles)));
         logBrightness += tile.b;
     }
@@ -636,7 +636,7 @@ BokehTileSums BokehLayerCoCAlong(BOKEH_TEXTURE GatherCoCSamp, BOKEH_TEXTURE Sums
     BOKEH_TEXTURE DilatedTilesSamp, vec2 axis, BokehLayerContext layers)
 {
     BokehGrid grid = BokehReducedGrid(layers, 8.0);
-    vec2 tile = BokehFetchGridTexel(DilatedTilesSamp, layers.uv * grid.size, grid).rg;
+    vec2 tile = BokehFetchGrid(DilatedTilesSamp, layers.uv * grid.size, grid).rg;
     vec2 sigma = max(tile * BOKEH_TUNED_COC_SIGMA, vec2(0.6, 0.6));
     float radius = BokehReachTiles(layers);
     vec4 sums = vec4(0.0, 0.0, 0.0, 0.0);
@@ -651,9 +651,9 @@ BokehTileSums BokehLayerCoCAlong(BOKEH_TEXTURE GatherCoCSamp, BOKEH_TEXTURE Sums
         }
         vec2 place = layers.uv * grid.size + axis * tiles;
         vec2 weight = exp(-0.5 * tiles * tiles / (sigma * sigma));
-        sums += BokehFetchGridTexel(SumsSamp, place, grid) * vec4(weight.x, weight.x, weight.y,
+        sums += BokehFetchGrid(SumsSamp, place, grid) * vec4(weight.x, weight.x, weight.y,
             weight.y);
-        gatherCoC = max(gatherCoC, BokehReaching(BokehFetchGridTexel(GatherCoCSamp, place, grid).rg,
+        gatherCoC = max(gatherCoC, BokehReaching(BokehFetchGrid(GatherCoCSamp, place, grid).rg,
             abs(tiles)));
         total += weight;
     }
@@ -691,7 +691,7 @@ BokehLayerCoCTargets BokehLayerCoCColumns(BOKEH_TEXTURE GatherCoCSamp, BOKEH_TEX
     BOKEH_TEXTURE DilatedTilesSamp, BokehLayerContext layers)
 {
     BokehGrid grid = BokehReducedGrid(layers, 8.0);
-    vec2 tile = BokehFetchGridTexel(DilatedTilesSamp, layers.uv * grid.size, grid).rg;
+    vec2 tile = BokehFetchGrid(DilatedTilesSamp, layers.uv * grid.size, grid).rg;
     BokehTileSums tileSums = BokehLayerCoCAlong(GatherCoCSamp, SumsSamp, DilatedTilesSamp, vec2(0.0,
         1.0), layers);
     vec4 sums = tileSums.sums;
@@ -913,8 +913,8 @@ BokehFilled BokehHoleFill(BOKEH_TEXTURE MidSamp, BOKEH_TEXTURE FarSamp,
     vec2 corner = BokehRotated(polygon.corner, polygon.axis);
     vec2 direction = BokehEdgeDirection(1, polygon);
     vec2 turn = BokehTurn(1.0, polygon);
-    vec4 midColor = BokehFetchGridTexel(MidSamp, center, grid);
-    vec4 farColor = BokehFetchGridTexel(FarSamp, center, grid);
+    vec4 midColor = BokehFetchGrid(MidSamp, center, grid);
+    vec4 farColor = BokehFetchGrid(FarSamp, center, grid);
     vec2 weights = BokehHoleWeights(midColor, farColor, inverseBrightness);
     for (int ring = 0; ring < 3; ring++)
     {
@@ -1060,7 +1060,7 @@ BokehTargets BokehLayerFirst(BOKEH_TEXTURE LayerSamp, BOKEH_TEXTURE QuarterSamp,
     }
     else
     {
-        targets.strip2 = BokehFetchGridTexel(LayerSamp, center, grid);
+        targets.strip2 = BokehFetchGrid(LayerSamp, center, grid);
         targets.strip3 = targets.strip2;
         targets.strip4 = targets.strip2;
         targets.strip5 = targets.strip2;
@@ -1101,7 +1101,7 @@ vec4 BokehLayerSecond(BOKEH_TEXTURE Strip2Samp, BOKEH_TEXTURE Strip3Samp, BOKEH_
     }
     else
     {
-        result = BokehFetchGridTexel(Strip2Samp, center, grid);
+        result = BokehFetchGrid(Strip2Samp, center, grid);
     }
     return result;
 }
@@ -1199,13 +1199,12 @@ vec4 BokehFetchLayer(BOKEH_TEXTURE LayerSamp, vec2 place, BokehGrid grid)
     return result;
 }
 
-// Layers: returns the squared radius of the discs over which two CoC spread, pixels
-//   With r = CoC / 2, it is r^4 / (r^2 + BOKEH_TUNED_PIXEL_BLUR): about r^2 minus the constant if r
-//   is large, and 0 for a CoC of 0.
-vec2 BokehSpreadSquare(vec2 CoC)
+// Layers: returns 1 / radius^2 of the discs over which two CoC spread, pixels
+//   With r = CoC / 2 it is (r^2 + BOKEH_TUNED_PIXEL_BLUR) / r^4.
+vec2 BokehSpreadInverse(vec2 CoC)
 {
-    vec2 square = CoC * CoC * 0.25;
-    return square * square / (square + BOKEH_TUNED_PIXEL_BLUR);
+    vec2 inverse = 1.0 / max(CoC * CoC, vec2(0.000001, 0.000001));
+    return inverse * (inverse * (16.0 * BOKEH_TUNED_PIXEL_BLUR) + 4.0);
 }
 
 // Layers: describes how the gather of a pixel is divided into rings
@@ -1233,12 +1232,12 @@ float BokehRingBorder(int ring, BokehRingLayout rings)
 //   front         the same of what is in front of this pixel
 //   farFound      weight of what was found in the far layer
 //   center        middle of this pixel, texels
-//   s, square, nearWeight  of this pixel: signed CoC in pixels, BokehSpreadSquare, near layer
+//   s, inverse, nearWeight  of this pixel: signed CoC in pixels, BokehSpreadInverse, near layer
 //                 weight
 //   slopes        of the near and the far layer
 //   snapping      0: linear filter; the larger, the closer to the nearest texel
-//   bounds        lower and upper limit of BokehSpreadSquare of this pixel and of samples: the
-//                 squared radii of the inner disc and of the gather
+//   bounds        lower and upper limit of a sample's 1 / radius^2: the values for the gather's
+//                 radius and for the inner disc
 //   inner         where the next ring begins, pixels
 struct BokehGather
 {
@@ -1247,7 +1246,7 @@ struct BokehGather
     float farFound;
     vec2 center;
     float s;
-    float square;
+    float inverse;
     float nearWeight;
     vec2 slopes;
     float snapping;
@@ -1285,6 +1284,8 @@ BokehGather BokehGatherRing(BokehGather before, BOKEH_TEXTURE MapSamp, int ring,
     float current = gather.inner + (outer - gather.inner) * outwards;
     float innerSquare = gather.inner * gather.inner;
     float area = outer * outer - innerSquare;
+    // the same of this pixel's disc, for samples behind its surface
+    float ownCovers = max(min(1.0 - innerSquare * gather.inverse, area * gather.inverse), 0.0);
     float phase = layers.jitter * clamp(current / float(ring) - 1.0, 0.0, 1.0);
     if (ring != 2)
     {
@@ -1321,9 +1322,10 @@ BokehGather BokehGatherRing(BokehGather before, BOKEH_TEXTURE MapSamp, int ring,
             vec2 CoC = vec2(float(pixel.a), float(other.a)) * full.size.y;
             vec2 isBehind = clamp(CoC * 2.0 - 2.0 * gather.s, zero, one) * (1.0 -
                 gather.nearWeight);
-            vec2 square = clamp(BokehSpreadSquare(CoC), gather.bounds.xx, gather.bounds.yy);
-            square += (gather.square - square) * isBehind;
-            vec2 covers = cell * clamp(square - innerSquare, zero, vec2(area, area)) / square;
+            vec2 inverse = clamp(BokehSpreadInverse(CoC), gather.bounds.xx,
+                gather.bounds.yy);
+            vec2 covers = max(min(1.0 - innerSquare * inverse, area * inverse), zero);
+            covers = cell * (covers + (ownCovers - covers) * isBehind);
             vec2 inFar = covers * clamp(CoC * gather.slopes.y - 2.0, zero, one);
             covers = covers * (1.0 - clamp(CoC * -gather.slopes.x - 2.0, zero, one)) - inFar;
             gather.farFound += inFar.x + inFar.y;
@@ -1450,10 +1452,10 @@ vec4 BokehComposite(BOKEH_TEXTURE MapSamp, BOKEH_TEXTURE GatherTilesSamp, BOKEH_
         float nearWeight = BokehLayerWeight(-s, gather.slopes.x);
         float farWeight = BokehLayerWeight(s, gather.slopes.y);
         gather.nearWeight = nearWeight;
-        gather.square = BokehSpreadSquare(vec2(s, s)).x;
+        gather.inverse = BokehSpreadInverse(vec2(s, s)).x;
         // the gather reaches as far as the CoC of pixels in neither layer
-        float restRadius = clamp(16.0 - 16.0 * farWeight, 0.0, 1.0) * (1.0 - nearWeight) *
-            sqrt(gather.square);
+        float restRadius = clamp(16.0 - 16.0 * farWeight, 0.0, 1.0) * (1.0 - nearWeight) /
+            sqrt(gather.inverse);
         float radius = max(max(restRadius, 0.01), 0.5 * max(tile.b, tile.a * farWeight));
         if (BOKEH_LAYER_RINGS == 0)
         {
@@ -1501,9 +1503,8 @@ vec4 BokehComposite(BOKEH_TEXTURE MapSamp, BOKEH_TEXTURE GatherTilesSamp, BOKEH_
             gather.inner = radius;
         }
         // a disc smaller than the inner one reaches no other pixel
-        gather.bounds = vec2(gather.inner * gather.inner, radius * radius);
-        gather.square = clamp(gather.square, gather.bounds.x, gather.bounds.y);
-        float weight = (1.0 - nearWeight) * gather.bounds.x / gather.square;
+        gather.bounds = 1.0 / vec2(radius * radius, gather.inner * gather.inner);
+        float weight = (1.0 - nearWeight) * min(gather.inverse / gather.bounds.y, 1.0);
         // pixels of the far layer are replaced by that layer: a single one of them would be a
         // bright dot
         gather.farFound = weight * farWeight;

@@ -1049,7 +1049,7 @@ float4 BokehExactTarget(int k, BokehPolygon polygon, bool rays, BokehLine L1, Bo
 BokehTargets BokehExactFirst(BOKEH_TEXTURE MapSamp, float2 uv, int last, BokehPolygon polygon,
     BokehSamplingSettings settings BOKEH_SAMPLER)
 {
-    float4 centerPixel = BokehFetchTexel(MapSamp, BokehToTexture(uv));
+    float4 centerPixel = BokehFetch(MapSamp, uv BOKEH_LINEAR);
     // a hexagon has no edge 4, so a program for that edge needs no code for rays
     bool rays = false;
     if (last < 4)
@@ -1102,7 +1102,7 @@ BokehTargets BokehSquareFirst(BOKEH_TEXTURE MapSamp, float2 uv, BokehPolygon pol
 float4 BokehSquareSecond(BOKEH_TEXTURE Strip2Samp, float2 uv, BokehPolygon polygon,
     BokehSamplingSettings settings BOKEH_SAMPLER)
 {
-    float4 pixel = BokehFetchTexel(Strip2Samp, BokehToTexture(uv));
+    float4 pixel = BokehFetch(Strip2Samp, uv BOKEH_LINEAR);
     BokehLine L2 = BokehLineSum(Strip2Samp, uv, 2, polygon, true, false, pixel, settings
         BOKEH_LINEAR);
     return BokehResolved(L2.sum, pixel);
@@ -1121,7 +1121,7 @@ BokehTargets BokehHexagonFirst(BOKEH_TEXTURE MapSamp, float2 uv, BokehPolygon po
 float4 BokehHexagonSecond(BOKEH_TEXTURE Strip2Samp, BOKEH_TEXTURE Strip3Samp, float2 uv,
     BokehPolygon polygon, BokehSamplingSettings settings BOKEH_SAMPLER)
 {
-    float4 pixel = BokehFetchTexel(Strip2Samp, BokehToTexture(uv));
+    float4 pixel = BokehFetch(Strip2Samp, uv BOKEH_LINEAR);
     BokehLine L2 = BokehLineSum(Strip2Samp, uv, 2, polygon, true, true, pixel, settings
         BOKEH_LINEAR);
     BokehLine L3 = BokehLineSum(Strip3Samp, uv, 3, polygon, true, true, pixel, settings
@@ -1143,7 +1143,7 @@ float4 BokehOctagonSecond(BOKEH_TEXTURE Strip2Samp, BOKEH_TEXTURE Strip3Samp,
     BOKEH_TEXTURE Strip4Samp, float2 uv, BokehPolygon polygon,
     BokehSamplingSettings settings BOKEH_SAMPLER)
 {
-    float4 pixel = BokehFetchTexel(Strip2Samp, BokehToTexture(uv));
+    float4 pixel = BokehFetch(Strip2Samp, uv BOKEH_LINEAR);
     BokehLine L2 = BokehLineSum(Strip2Samp, uv, 2, polygon, true, false, pixel, settings
         BOKEH_LINEAR);
     BokehLine L3 = BokehLineSum(Strip3Samp, uv, 3, polygon, true, false, pixel, settings
@@ -1167,7 +1167,7 @@ float4 BokehDecagonSecond(BOKEH_TEXTURE Strip2Samp, BOKEH_TEXTURE Strip3Samp,
     BOKEH_TEXTURE Strip4Samp, BOKEH_TEXTURE Strip5Samp, float2 uv, BokehPolygon polygon,
     BokehSamplingSettings settings BOKEH_SAMPLER)
 {
-    float4 pixel = BokehFetchTexel(Strip2Samp, BokehToTexture(uv));
+    float4 pixel = BokehFetch(Strip2Samp, uv BOKEH_LINEAR);
     BokehLine L2 = BokehLineSum(Strip2Samp, uv, 2, polygon, true, false, pixel, settings
         BOKEH_LINEAR);
     BokehLine L3 = BokehLineSum(Strip3Samp, uv, 3, polygon, true, false, pixel, settings

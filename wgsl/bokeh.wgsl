@@ -930,7 +930,7 @@ fn BokehExactTarget(k: i32, polygon: BokehPolygon, rays: bool, L1: BokehLine, L2
 fn BokehExactFirst(MapSamp: texture_2d<f32>, uv: vec2f, last: i32, polygon: BokehPolygon,
     settings: BokehSamplingSettings, BokehLinearClamp: sampler) -> BokehTargets
 {
-    let centerPixel: vec4f = BokehFetchTexel(MapSamp, BokehToTexture(uv));
+    let centerPixel: vec4f = BokehFetch(MapSamp, uv, BokehLinearClamp);
     // a hexagon has no edge 4, so a program for that edge needs no code for rays
     var rays: bool = false;
     if (last < 4)
@@ -986,7 +986,7 @@ fn BokehSquareFirst(MapSamp: texture_2d<f32>, uv: vec2f, polygon: BokehPolygon,
 fn BokehSquareSecond(Strip2Samp: texture_2d<f32>, uv: vec2f, polygon: BokehPolygon,
     settings: BokehSamplingSettings, BokehLinearClamp: sampler) -> vec4f
 {
-    let pixel: vec4f = BokehFetchTexel(Strip2Samp, BokehToTexture(uv));
+    let pixel: vec4f = BokehFetch(Strip2Samp, uv, BokehLinearClamp);
     let L2: BokehLine = BokehLineSum(Strip2Samp, uv, 2, polygon, true, false, pixel, settings,
         BokehLinearClamp);
     return BokehResolved(L2.sum, pixel);
@@ -1005,7 +1005,7 @@ fn BokehHexagonFirst(MapSamp: texture_2d<f32>, uv: vec2f, polygon: BokehPolygon,
 fn BokehHexagonSecond(Strip2Samp: texture_2d<f32>, Strip3Samp: texture_2d<f32>, uv: vec2f,
     polygon: BokehPolygon, settings: BokehSamplingSettings, BokehLinearClamp: sampler) -> vec4f
 {
-    let pixel: vec4f = BokehFetchTexel(Strip2Samp, BokehToTexture(uv));
+    let pixel: vec4f = BokehFetch(Strip2Samp, uv, BokehLinearClamp);
     let L2: BokehLine = BokehLineSum(Strip2Samp, uv, 2, polygon, true, true, pixel, settings,
         BokehLinearClamp);
     let L3: BokehLine = BokehLineSum(Strip3Samp, uv, 3, polygon, true, true, pixel, settings,
@@ -1027,7 +1027,7 @@ fn BokehOctagonSecond(Strip2Samp: texture_2d<f32>, Strip3Samp: texture_2d<f32>,
     Strip4Samp: texture_2d<f32>, uv: vec2f, polygon: BokehPolygon, settings: BokehSamplingSettings,
     BokehLinearClamp: sampler) -> vec4f
 {
-    let pixel: vec4f = BokehFetchTexel(Strip2Samp, BokehToTexture(uv));
+    let pixel: vec4f = BokehFetch(Strip2Samp, uv, BokehLinearClamp);
     let L2: BokehLine = BokehLineSum(Strip2Samp, uv, 2, polygon, true, false, pixel, settings,
         BokehLinearClamp);
     let L3: BokehLine = BokehLineSum(Strip3Samp, uv, 3, polygon, true, false, pixel, settings,
@@ -1051,7 +1051,7 @@ fn BokehDecagonSecond(Strip2Samp: texture_2d<f32>, Strip3Samp: texture_2d<f32>,
     Strip4Samp: texture_2d<f32>, Strip5Samp: texture_2d<f32>, uv: vec2f, polygon: BokehPolygon,
     settings: BokehSamplingSettings, BokehLinearClamp: sampler) -> vec4f
 {
-    let pixel: vec4f = BokehFetchTexel(Strip2Samp, BokehToTexture(uv));
+    let pixel: vec4f = BokehFetch(Strip2Samp, uv, BokehLinearClamp);
     let L2: BokehLine = BokehLineSum(Strip2Samp, uv, 2, polygon, true, false, pixel, settings,
         BokehLinearClamp);
     let L3: BokehLine = BokehLineSum(Strip3Samp, uv, 3, polygon, true, false, pixel, settings,

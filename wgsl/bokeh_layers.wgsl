@@ -349,7 +349,8 @@ fn BokehReachTiles(layers: BokehLayerContext) -> f32
 //      . . K . .   -->  K K K K K      if a CoC of K reaches two tiles in each direction
 //   axis          (1, 0), then (0, 1)
 //   returns       r = near, g = far, pixels; b = mean log2 of brightness of the tiles around
-fn BokehTileDilate(TilesSamp: texture_2d<f32>, axis: vec2f, layers: BokehLayerContext) -> vec4f
+fn BokehTileDilate(TilesSamp: texture_2d<f32>, axis: vec2f, layers: BokehLayerContext,
+    BokehLinearClamp: sampler) -> vec4f
 {
     let grid: BokehGrid = BokehReducedGrid(layers, 8.0);
     let radius: f32 = BokehReachTiles(layers);
@@ -362,8 +363,8 @@ fn BokehTileDilate(TilesSamp: texture_2d<f32>, axis: vec2f, layers: BokehLayerCo
         {
             break;
         }
-        let tile: vec4f = BokehFetchGridTexel(TilesSamp, layers.uv * grid.size + axis * tiles,
-            grid);
+        let tile: vec4f = BokehFetchGrid(TilesSamp, layers.uv * grid.size + axis * tiles, grid,
+            BokehLinearClamp);
         found = max(found, BokehReaching(tile.rg, abs(tiles)));
         logBrightness += tile.b;
     }
@@ -589,10 +590,12 @@ fn BokehLayerCoCReduce(SumsSamp: texture_2d<f32>, GatherCoCSamp: texture_2d<f32>
 // Layers: does the work of BokehLayerCoCRows along any axis
 //   axis          (1, 0) or (0, 1)
 fn BokehLayerCoCAlong(GatherCoCSamp: texture_2d<f32>, SumsSamp: texture_2d<f32>,
-    DilatedTilesSamp: texture_2d<f32>, axis: vec2f, layers: BokehLayerContext) -> BokehTileSums
+    DilatedTilesSamp: texture_2d<f32>, axis: vec2f, layers: BokehLayerContext,
+    BokehLinearClamp: sampler) -> BokehTileSums
 {
     let grid: BokehGrid = BokehReducedGrid(layers, 8.0);
-    let tile: vec2f = BokehFetchGridTexel(DilatedTilesSamp, layers.uv * grid.size, grid).rg;
+    let tile: vec2f = BokehFetchGrid(DilatedTilesSamp, layers.uv * grid.size, grid,
+        BokehLinearClamp).rg;
     let sigma: vec2f = max(tile * BOKEH_TUNED_COC_SIGMA, vec2f(0.6, 0.6));
     let radius: f32 = BokehReachTiles(layers);
     var sums: vec4f = vec4f(0.0, 0.0, 0.0, 0.0);
@@ -607,10 +610,10 @@ fn BokehLayerCoCAlong(GatherCoCSamp: texture_2d<f32>, SumsSamp: texture_2d<f32>,
         }
         let place: vec2f = layers.uv * grid.size + axis * tiles;
         let weight: vec2f = exp(-0.5 * tiles * tiles / (sigma * sigma));
-        sums += BokehFetchGridTexel(SumsSamp, place, grid) * vec4f(weight.x, weight.x,
+        sums += BokehFetchGrid(SumsSamp, place, grid, BokehLinearClamp) * vec4f(weight.x, weight.x,
             weight.y, weight.y);
-        gatherCoC = max(gatherCoC, BokehReaching(BokehFetchGridTexel(GatherCoCSamp, place,
-            grid).rg, abs(tiles)));
+        gatherCoC = max(gatherCoC, BokehReaching(BokehFetchGrid(GatherCoCSamp, place, grid,
+            BokehLinearClamp).rg, abs(tiles)));
         total += weight;
     }
     var targets: BokehTileSums;
@@ -624,9 +627,11 @@ fn BokehLayerCoCAlong(GatherCoCSamp: texture_2d<f32>, SumsSamp: texture_2d<f32>,
 //   reaches each tile, and a mean of the sums by a Gaussian with a standard deviation of 0.3 of the
 //   CoC in reach.
 fn BokehLayerCoCRows(GatherCoCSamp: texture_2d<f32>, SumsSamp: texture_2d<f32>,
-    DilatedTilesSamp: texture_2d<f32>, layers: BokehLayerContext) -> BokehTileSums
+    DilatedTilesSamp: texture_2d<f32>, layers: BokehLayerContext,
+    BokehLinearClamp: sampler) -> BokehTileSums
 {
-    return BokehLayerCoCAlong(GatherCoCSamp, SumsSamp, DilatedTilesSamp, vec2f(1.0, 0.0), layers);
+    return BokehLayerCoCAlong(GatherCoCSamp, SumsSamp, DilatedTilesSamp, vec2f(1.0, 0.0), layers,
+        BokehLinearClamp);
 }
 
 // Layers: holds what BokehLayerCoCColumns writes
@@ -644,12 +649,14 @@ struct BokehLayerCoCTargets
 //   layerCoC for the passes that blur the layers: a blur can be separated into two passes only
 //   where all pixels around use one CoC.
 fn BokehLayerCoCColumns(GatherCoCSamp: texture_2d<f32>, SumsSamp: texture_2d<f32>,
-    DilatedTilesSamp: texture_2d<f32>, layers: BokehLayerContext) -> BokehLayerCoCTargets
+    DilatedTilesSamp: texture_2d<f32>, layers: BokehLayerContext,
+        BokehLinearClamp: sampler) -> BokehLayerCoCTargets
 {
     let grid: BokehGrid = BokehReducedGrid(layers, 8.0);
-    let tile: vec2f = BokehFetchGridTexel(DilatedTilesSamp, layers.uv * grid.size, grid).rg;
+    let tile: vec2f = BokehFetchGrid(DilatedTilesSamp, layers.uv * grid.size, grid,
+        BokehLinearClamp).rg;
     let tileSums: BokehTileSums = BokehLayerCoCAlong(GatherCoCSamp, SumsSamp, DilatedTilesSamp,
-        vec2f(0.0, 1.0), layers);
+        vec2f(0.0, 1.0), layers, BokehLinearClamp);
     let sums: vec4f = tileSums.sums;
     var layerCoC: vec2f = vec2f(0.0, 0.0);
     if (sums.g > 0.0001 && tile.r > BOKEH_TUNED_NEAR_START)
@@ -876,8 +883,8 @@ fn BokehHoleFill(MidSamp: texture_2d<f32>, FarSamp: texture_2d<f32>,
     var corner: vec2f = BokehRotated(polygon.corner, polygon.axis);
     var direction: vec2f = BokehEdgeDirection(1, polygon);
     let turn: vec2f = BokehTurn(1.0, polygon);
-    var midColor: vec4f = BokehFetchGridTexel(MidSamp, center, grid);
-    var farColor: vec4f = BokehFetchGridTexel(FarSamp, center, grid);
+    var midColor: vec4f = BokehFetchGrid(MidSamp, center, grid, BokehLinearClamp);
+    var farColor: vec4f = BokehFetchGrid(FarSamp, center, grid, BokehLinearClamp);
     var weights: vec2f = BokehHoleWeights(midColor, farColor, inverseBrightness);
     for (var ring: i32 = 0; ring < 3; ring++)
     {
@@ -1030,7 +1037,7 @@ fn BokehLayerFirst(LayerSamp: texture_2d<f32>, QuarterSamp: texture_2d<f32>, lay
     }
     else
     {
-        targets.strip2 = BokehFetchGridTexel(LayerSamp, center, grid);
+        targets.strip2 = BokehFetchGrid(LayerSamp, center, grid, BokehLinearClamp);
         targets.strip3 = targets.strip2;
         targets.strip4 = targets.strip2;
         targets.strip5 = targets.strip2;
@@ -1075,7 +1082,7 @@ fn BokehLayerSecond(Strip2Samp: texture_2d<f32>, Strip3Samp: texture_2d<f32>,
     }
     else
     {
-        result = BokehFetchGridTexel(Strip2Samp, center, grid);
+        result = BokehFetchGrid(Strip2Samp, center, grid, BokehLinearClamp);
     }
     return result;
 }
@@ -1179,13 +1186,12 @@ fn BokehFetchLayer(LayerSamp: texture_2d<f32>, place: vec2f, grid: BokehGrid,
     return result;
 }
 
-// Layers: returns the squared radius of the discs over which two CoC spread, pixels
-//   With r = CoC / 2, it is r^4 / (r^2 + BOKEH_TUNED_PIXEL_BLUR): about r^2 minus the constant if r
-//   is large, and 0 for a CoC of 0.
-fn BokehSpreadSquare(CoC: vec2f) -> vec2f
+// Layers: returns 1 / radius^2 of the discs over which two CoC spread, pixels
+//   With r = CoC / 2 it is (r^2 + BOKEH_TUNED_PIXEL_BLUR) / r^4.
+fn BokehSpreadInverse(CoC: vec2f) -> vec2f
 {
-    let square: vec2f = CoC * CoC * 0.25;
-    return square * square / (square + BOKEH_TUNED_PIXEL_BLUR);
+    let inverse: vec2f = 1.0 / max(CoC * CoC, vec2f(0.000001, 0.000001));
+    return inverse * (inverse * (16.0 * BOKEH_TUNED_PIXEL_BLUR) + 4.0);
 }
 
 // Layers: describes how the gather of a pixel is divided into rings
@@ -1213,12 +1219,12 @@ fn BokehRingBorder(ring: i32, rings: BokehRingLayout) -> f32
 //   front         the same of what is in front of this pixel
 //   farFound      weight of what was found in the far layer
 //   center        middle of this pixel, texels
-//   s, square, nearWeight  of this pixel: signed CoC in pixels, BokehSpreadSquare, near layer
+//   s, inverse, nearWeight  of this pixel: signed CoC in pixels, BokehSpreadInverse, near layer
 //                 weight
 //   slopes        of the near and the far layer
 //   snapping      0: linear filter; the larger, the closer to the nearest texel
-//   bounds        lower and upper limit of BokehSpreadSquare of this pixel and of samples: the
-//                 squared radii of the inner disc and of the gather
+//   bounds        lower and upper limit of a sample's 1 / radius^2: the values for the gather's
+//                 radius and for the inner disc
 //   inner         where the next ring begins, pixels
 struct BokehGather
 {
@@ -1227,7 +1233,7 @@ struct BokehGather
     farFound: f32,
     center: vec2f,
     s: f32,
-    square: f32,
+    inverse: f32,
     nearWeight: f32,
     slopes: vec2f,
     snapping: f32,
@@ -1266,6 +1272,8 @@ fn BokehGatherRing(before: BokehGather, MapSamp: texture_2d<f32>, ring: i32, onE
     let current: f32 = gather.inner + (outer - gather.inner) * outwards;
     let innerSquare: f32 = gather.inner * gather.inner;
     let area: f32 = outer * outer - innerSquare;
+    // the same of this pixel's disc, for samples behind its surface
+    let ownCovers: f32 = max(min(1.0 - innerSquare * gather.inverse, area * gather.inverse), 0.0);
     var phase: f32 = layers.jitter * clamp(current / f32(ring) - 1.0, 0.0, 1.0);
     if (ring != 2)
     {
@@ -1302,10 +1310,10 @@ fn BokehGatherRing(before: BokehGather, MapSamp: texture_2d<f32>, ring: i32, onE
             let CoC: vec2f = vec2f(f32(pixel.a), f32(other.a)) * full.size.y;
             let isBehind: vec2f = clamp(CoC * 2.0 - 2.0 * gather.s, zero, one) * (1.0 -
                 gather.nearWeight);
-            var square: vec2f = clamp(BokehSpreadSquare(CoC), gather.bounds.xx, gather.bounds.yy);
-            square += (gather.square - square) * isBehind;
-            var covers: vec2f = cell * clamp(square - innerSquare, zero, vec2f(area, area)) /
-                square;
+            let inverse: vec2f = clamp(BokehSpreadInverse(CoC), gather.bounds.xx,
+                gather.bounds.yy);
+            var covers: vec2f = max(min(1.0 - innerSquare * inverse, area * inverse), zero);
+            covers = cell * (covers + (ownCovers - covers) * isBehind);
             let inFar: vec2f = covers * clamp(CoC * gather.slopes.y - 2.0, zero, one);
             covers = covers * (1.0 - clamp(CoC * -gather.slopes.x - 2.0, zero, one)) - inFar;
             gather.farFound += inFar.x + inFar.y;
@@ -1437,10 +1445,10 @@ fn BokehComposite(MapSamp: texture_2d<f32>, GatherTilesSamp: texture_2d<f32>,
         let nearWeight: f32 = BokehLayerWeight(-s, gather.slopes.x);
         let farWeight: f32 = BokehLayerWeight(s, gather.slopes.y);
         gather.nearWeight = nearWeight;
-        gather.square = BokehSpreadSquare(vec2f(s, s)).x;
+        gather.inverse = BokehSpreadInverse(vec2f(s, s)).x;
         // the gather reaches as far as the CoC of pixels in neither layer
-        let restRadius: f32 = clamp(16.0 - 16.0 * farWeight, 0.0, 1.0) * (1.0 - nearWeight) *
-            sqrt(gather.square);
+        let restRadius: f32 = clamp(16.0 - 16.0 * farWeight, 0.0, 1.0) * (1.0 - nearWeight) /
+            sqrt(gather.inverse);
         var radius: f32 = max(max(restRadius, 0.01), 0.5 * max(tile.b, tile.a * farWeight));
         if (BOKEH_LAYER_RINGS == 0)
         {
@@ -1488,9 +1496,8 @@ fn BokehComposite(MapSamp: texture_2d<f32>, GatherTilesSamp: texture_2d<f32>,
             gather.inner = radius;
         }
         // a disc smaller than the inner one reaches no other pixel
-        gather.bounds = vec2f(gather.inner * gather.inner, radius * radius);
-        gather.square = clamp(gather.square, gather.bounds.x, gather.bounds.y);
-        let weight: f32 = (1.0 - nearWeight) * gather.bounds.x / gather.square;
+        gather.bounds = 1.0 / vec2f(radius * radius, gather.inner * gather.inner);
+        let weight: f32 = (1.0 - nearWeight) * min(gather.inverse / gather.bounds.y, 1.0);
         // pixels of the far layer are replaced by that layer: a single one of them would be a
         // bright dot
         gather.farFound = weight * farWeight;

@@ -575,7 +575,7 @@ fn BokehBothResults(uv: vec2f, NearStrip3Samp: texture_2d<f32>, FarStrip3Samp: t
 @fragment fn BokehTileDilate_PS(input: BokehVertex) -> @location(0) vec4f
 {
     let axis: vec2f = vec2f(1.0 - bokehParameters.BokehAxis, bokehParameters.BokehAxis);
-    return BokehTileDilate(BokehColorSamp, axis, BokehBeginTiles(input.uv));
+    return BokehTileDilate(BokehColorSamp, axis, BokehBeginTiles(input.uv), BokehLinearClamp);
 }
 
 @fragment fn BokehPrefilter_PS(input: BokehVertex) -> BokehTargets4
@@ -596,14 +596,14 @@ fn BokehBothResults(uv: vec2f, NearStrip3Samp: texture_2d<f32>, FarStrip3Samp: t
 @fragment fn BokehLayerCoCRows_PS(input: BokehVertex) -> BokehTargets2
 {
     let targets: BokehTileSums = BokehLayerCoCRows(BokehColorSamp, BokehColorSampB, BokehColorSampC,
-        BokehBeginTiles(input.uv));
+        BokehBeginTiles(input.uv), BokehLinearClamp);
     return BokehTargets2(targets.gatherCoC, targets.sums);
 }
 
 @fragment fn BokehLayerCoCColumns_PS(input: BokehVertex) -> BokehTargets2
 {
     let targets: BokehLayerCoCTargets = BokehLayerCoCColumns(BokehColorSamp, BokehColorSampB,
-        BokehColorSampC, BokehBeginTiles(input.uv));
+        BokehColorSampC, BokehBeginTiles(input.uv), BokehLinearClamp);
     return BokehTargets2(targets.gatherTiles, targets.layerCoC);
 }
 
@@ -695,14 +695,14 @@ fn BokehBothResults(uv: vec2f, NearStrip3Samp: texture_2d<f32>, FarStrip3Samp: t
 @fragment fn BokehLayerCoCRowsOne_PS(input: BokehVertex) -> @location(0) vec4f
 {
     let targets: BokehTileSums = BokehLayerCoCRows(BokehColorSamp, BokehColorSampB, BokehColorSampC,
-        BokehBeginTiles(input.uv));
+        BokehBeginTiles(input.uv), BokehLinearClamp);
     return BokehSelectTarget(targets.gatherCoC, targets.sums, targets.sums, targets.sums);
 }
 
 @fragment fn BokehLayerCoCColumnsOne_PS(input: BokehVertex) -> @location(0) vec4f
 {
     let targets: BokehLayerCoCTargets = BokehLayerCoCColumns(BokehColorSamp, BokehColorSampB,
-        BokehColorSampC, BokehBeginTiles(input.uv));
+        BokehColorSampC, BokehBeginTiles(input.uv), BokehLinearClamp);
     return BokehSelectTarget(targets.gatherTiles, targets.layerCoC, targets.layerCoC,
         targets.layerCoC);
 }

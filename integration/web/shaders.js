@@ -388,7 +388,7 @@ float reached=dot(vec4(L1.reached,L2.reached,L3.reached,L4.reached),weights);
 result=vec4(result.rgb,result.a*min(reached/gathered*1.001,1.));}
 return result;}
 BokehTargets BokehExactFirst(BOKEH_TEXTURE MapSamp,vec2 uv,int last,BokehPolygon polygon,BokehSamplingSettings settings){
-vec4 centerPixel=BokehFetchTexel(MapSamp,BokehToTexture(uv));
+vec4 centerPixel=BokehFetch(MapSamp,uv);
 bool rays=false;
 if(last<4){
 rays=polygon.sides==6;}
@@ -413,20 +413,20 @@ return targets;}
 BokehTargets BokehSquareFirst(BOKEH_TEXTURE MapSamp,vec2 uv,BokehPolygon polygon,BokehSamplingSettings settings){
 return BokehExactFirst(MapSamp,uv,2,polygon,settings);}
 vec4 BokehSquareSecond(BOKEH_TEXTURE Strip2Samp,vec2 uv,BokehPolygon polygon,BokehSamplingSettings settings){
-vec4 pixel=BokehFetchTexel(Strip2Samp,BokehToTexture(uv));
+vec4 pixel=BokehFetch(Strip2Samp,uv);
 BokehLine L2=BokehLineSum(Strip2Samp,uv,2,polygon,true,false,pixel,settings);
 return BokehResolved(L2.sum,pixel);}
 BokehTargets BokehHexagonFirst(BOKEH_TEXTURE MapSamp,vec2 uv,BokehPolygon polygon,BokehSamplingSettings settings){
 return BokehExactFirst(MapSamp,uv,3,polygon,settings);}
 vec4 BokehHexagonSecond(BOKEH_TEXTURE Strip2Samp,BOKEH_TEXTURE Strip3Samp,vec2 uv,BokehPolygon polygon,BokehSamplingSettings settings){
-vec4 pixel=BokehFetchTexel(Strip2Samp,BokehToTexture(uv));
+vec4 pixel=BokehFetch(Strip2Samp,uv);
 BokehLine L2=BokehLineSum(Strip2Samp,uv,2,polygon,true,true,pixel,settings);
 BokehLine L3=BokehLineSum(Strip3Samp,uv,3,polygon,true,true,pixel,settings);
 return BokehResolved(L2.sum+L3.sum,pixel);}
 BokehTargets BokehOctagonFirst(BOKEH_TEXTURE MapSamp,vec2 uv,BokehPolygon polygon,BokehSamplingSettings settings){
 return BokehExactFirst(MapSamp,uv,4,polygon,settings);}
 vec4 BokehOctagonSecond(BOKEH_TEXTURE Strip2Samp,BOKEH_TEXTURE Strip3Samp,BOKEH_TEXTURE Strip4Samp,vec2 uv,BokehPolygon polygon,BokehSamplingSettings settings){
-vec4 pixel=BokehFetchTexel(Strip2Samp,BokehToTexture(uv));
+vec4 pixel=BokehFetch(Strip2Samp,uv);
 BokehLine L2=BokehLineSum(Strip2Samp,uv,2,polygon,true,false,pixel,settings);
 BokehLine L3=BokehLineSum(Strip3Samp,uv,3,polygon,true,false,pixel,settings);
 BokehLine L4=BokehLineSum(Strip4Samp,uv,4,polygon,true,false,pixel,settings);
@@ -434,7 +434,7 @@ return BokehResolved(L2.sum+L3.sum+L4.sum,pixel);}
 BokehTargets BokehDecagonFirst(BOKEH_TEXTURE MapSamp,vec2 uv,BokehPolygon polygon,BokehSamplingSettings settings){
 return BokehExactFirst(MapSamp,uv,5,polygon,settings);}
 vec4 BokehDecagonSecond(BOKEH_TEXTURE Strip2Samp,BOKEH_TEXTURE Strip3Samp,BOKEH_TEXTURE Strip4Samp,BOKEH_TEXTURE Strip5Samp,vec2 uv,BokehPolygon polygon,BokehSamplingSettings settings){
-vec4 pixel=BokehFetchTexel(Strip2Samp,BokehToTexture(uv));
+vec4 pixel=BokehFetch(Strip2Samp,uv);
 BokehLine L2=BokehLineSum(Strip2Samp,uv,2,polygon,true,false,pixel,settings);
 BokehLine L3=BokehLineSum(Strip3Samp,uv,3,polygon,true,false,pixel,settings);
 BokehLine L4=BokehLineSum(Strip4Samp,uv,4,polygon,true,false,pixel,settings);
@@ -703,7 +703,7 @@ for(int i=0;i<255;i++){
 float tiles=float(i)-radius;
 if(tiles>radius){
 break;}
-vec4 tile=BokehFetchGridTexel(TilesSamp,layers.uv*grid.size+axis*tiles,grid);
+vec4 tile=BokehFetchGrid(TilesSamp,layers.uv*grid.size+axis*tiles,grid);
 found=max(found,BokehReaching(tile.rg,abs(tiles)));
 logBrightness+=tile.b;}
 return vec4(found,logBrightness/(2.*radius+1.),1.);}
@@ -820,7 +820,7 @@ targets.sums=sums/float(texels*texels);
 return targets;}
 BokehTileSums BokehLayerCoCAlong(BOKEH_TEXTURE GatherCoCSamp,BOKEH_TEXTURE SumsSamp,BOKEH_TEXTURE DilatedTilesSamp,vec2 axis,BokehLayerContext layers){
 BokehGrid grid=BokehReducedGrid(layers,8.);
-vec2 tile=BokehFetchGridTexel(DilatedTilesSamp,layers.uv*grid.size,grid).rg;
+vec2 tile=BokehFetchGrid(DilatedTilesSamp,layers.uv*grid.size,grid).rg;
 vec2 sigma=max(tile*.0375,vec2(.6));
 float radius=BokehReachTiles(layers);
 vec4 sums=vec4(0.);
@@ -832,8 +832,8 @@ if(tiles>radius){
 break;}
 vec2 place=layers.uv*grid.size+axis*tiles;
 vec2 weight=exp(-.5*tiles*tiles/(sigma*sigma));
-sums+=BokehFetchGridTexel(SumsSamp,place,grid)*vec4(weight.x,weight.x,weight.y,weight.y);
-gatherCoC=max(gatherCoC,BokehReaching(BokehFetchGridTexel(GatherCoCSamp,place,grid).rg,abs(tiles)));
+sums+=BokehFetchGrid(SumsSamp,place,grid)*vec4(weight.x,weight.x,weight.y,weight.y);
+gatherCoC=max(gatherCoC,BokehReaching(BokehFetchGrid(GatherCoCSamp,place,grid).rg,abs(tiles)));
 total+=weight;}
 BokehTileSums targets;
 targets.gatherCoC=vec4(gatherCoC,0.,1.);
@@ -847,7 +847,7 @@ vec4 layerCoC;
 };
 BokehLayerCoCTargets BokehLayerCoCColumns(BOKEH_TEXTURE GatherCoCSamp,BOKEH_TEXTURE SumsSamp,BOKEH_TEXTURE DilatedTilesSamp,BokehLayerContext layers){
 BokehGrid grid=BokehReducedGrid(layers,8.);
-vec2 tile=BokehFetchGridTexel(DilatedTilesSamp,layers.uv*grid.size,grid).rg;
+vec2 tile=BokehFetchGrid(DilatedTilesSamp,layers.uv*grid.size,grid).rg;
 BokehTileSums tileSums=BokehLayerCoCAlong(GatherCoCSamp,SumsSamp,DilatedTilesSamp,vec2(0.,1.),layers);
 vec4 sums=tileSums.sums;
 vec2 layerCoC=vec2(0.);
@@ -961,8 +961,8 @@ float inverseBrightness=exp2(-tile.b);
 vec2 corner=BokehRotated(polygon.corner,polygon.axis);
 vec2 direction=BokehEdgeDirection(1,polygon);
 vec2 turn=BokehTurn(1.,polygon);
-vec4 midColor=BokehFetchGridTexel(MidSamp,center,grid);
-vec4 farColor=BokehFetchGridTexel(FarSamp,center,grid);
+vec4 midColor=BokehFetchGrid(MidSamp,center,grid);
+vec4 farColor=BokehFetchGrid(FarSamp,center,grid);
 vec2 weights=BokehHoleWeights(midColor,farColor,inverseBrightness);
 for(int ring=0;ring<3;ring++){
 if(nearCoC<6.){
@@ -1042,7 +1042,7 @@ targets.strip3=BokehLayerTarget(3,polygon,L1,L2,zero,zero);
 targets.strip4=BokehLayerTarget(4,polygon,L1,L2,L3,zero);
 targets.strip5=BokehLayerTarget(5,polygon,L1,L2,L3,L4);}
 else{
-targets.strip2=BokehFetchGridTexel(LayerSamp,center,grid);
+targets.strip2=BokehFetchGrid(LayerSamp,center,grid);
 targets.strip3=targets.strip2;
 targets.strip4=targets.strip2;
 targets.strip5=targets.strip2;}
@@ -1063,7 +1063,7 @@ if(polygon.sides>8){
 result+=BokehLayerLine(Strip5Samp,Strip5Samp,5,polygon,true,blur,layers);}
 result=result/polygon.area;}
 else{
-result=BokehFetchGridTexel(Strip2Samp,center,grid);}
+result=BokehFetchGrid(Strip2Samp,center,grid);}
 return result;}
 struct BokehLayersTargets{
 vec4 nearStrip2;
@@ -1111,9 +1111,9 @@ result=clamp(sum,min(min(c,min(l,r)),min(t,b)),max(max(c,max(l,r)),max(t,b)));}
 else{
 result=BokehFetchGrid(LayerSamp,place,grid);}
 return result;}
-vec2 BokehSpreadSquare(vec2 CoC){
-vec2 square=CoC*CoC*.25;
-return square*square/(square+.3);}
+vec2 BokehSpreadInverse(vec2 CoC){
+vec2 inverse=1./max(CoC*CoC,vec2(.000001));
+return inverse*(inverse*(16.*.3)+4.);}
 struct BokehRingLayout{
 float radius;
 float spacing;
@@ -1128,7 +1128,7 @@ vec4 front;
 float farFound;
 vec2 center;
 float s;
-float square;
+float inverse;
 float nearWeight;
 vec2 slopes;
 float snapping;
@@ -1144,6 +1144,7 @@ float outwards=.58-.04*float(BOKEH_LAYER_RINGS);
 float current=gather.inner+(outer-gather.inner)*outwards;
 float innerSquare=gather.inner*gather.inner;
 float area=outer*outer-innerSquare;
+float ownCovers=max(min(1.-innerSquare*gather.inverse,area*gather.inverse),0.);
 float phase=layers.jitter*clamp(current/float(ring)-1.,0.,1.);
 if(ring != 2){
 phase+=.5;}
@@ -1165,9 +1166,9 @@ vec4 pixel=(BokehFetchAround(MapSamp,gather.center,offset,full));
 vec4 other=(BokehFetchAround(MapSamp,gather.center,-offset,full));
 vec2 CoC=vec2(float(pixel.a),float(other.a))*full.size.y;
 vec2 isBehind=clamp(CoC*2.-2.*gather.s,zero,one)*(1. -gather.nearWeight);
-vec2 square=clamp(BokehSpreadSquare(CoC),gather.bounds.xx,gather.bounds.yy);
-square+=(gather.square-square)*isBehind;
-vec2 covers=cell*clamp(square-innerSquare,zero,vec2(area,area))/square;
+vec2 inverse=clamp(BokehSpreadInverse(CoC),gather.bounds.xx,gather.bounds.yy);
+vec2 covers=max(min(1.-innerSquare*inverse,area*inverse),zero);
+covers=cell*(covers+(ownCovers-covers)*isBehind);
 vec2 inFar=covers*clamp(CoC*gather.slopes.y-2.,zero,one);
 covers=covers*(1.-clamp(CoC * -gather.slopes.x-2.,zero,one))-inFar;
 gather.farFound+=inFar.x+inFar.y;
@@ -1232,8 +1233,9 @@ gather.slopes=vec2(BokehNearSlope(tile.r),BokehFarSlope(tile.g));
 float nearWeight=BokehLayerWeight(-s,gather.slopes.x);
 float farWeight=BokehLayerWeight(s,gather.slopes.y);
 gather.nearWeight=nearWeight;
-gather.square=BokehSpreadSquare(vec2(s,s)).x;
-float restRadius=clamp(16.-16.*farWeight,0.,1.)*(1.-nearWeight)*sqrt(gather.square);
+gather.inverse=BokehSpreadInverse(vec2(s,s)).x;
+float restRadius=clamp(16.-16.*farWeight,0.,1.)*(1.-nearWeight) /
+sqrt(gather.inverse);
 float radius=max(max(restRadius,.01),.5*max(tile.b,tile.a*farWeight));
 if(BOKEH_LAYER_RINGS==0){
 radius=min(radius,6.);}
@@ -1255,9 +1257,8 @@ ringLayout.spacing=max(min(radius/1.499,1.),radius/(rings+.499));
 gather.inner=BokehRingBorder(0,ringLayout);
 if(radius<.5){
 gather.inner=radius;}
-gather.bounds=vec2(gather.inner*gather.inner,radius*radius);
-gather.square=clamp(gather.square,gather.bounds.x,gather.bounds.y);
-float weight=(1.-nearWeight)*gather.bounds.x/gather.square;
+gather.bounds=1./vec2(radius*radius,gather.inner*gather.inner);
+float weight=(1.-nearWeight)*min(gather.inverse/gather.bounds.y,1.);
 gather.farFound=weight*farWeight;
 gather.sum=vec4(vec4((vec4(centerPixel.rgb,1.)))*(weight-gather.farFound));
 gather.front=vec4(0.);
@@ -1710,7 +1711,7 @@ let reached=dot(vec4f(L1.reached,L2.reached,L3.reached,L4.reached),weights);
 result=vec4f(result.rgb,result.a*min(reached/gathered*1.001,1.));}
 return result;}
 fn BokehExactFirst(MapSamp:texture_2d<f32>,uv:vec2f,last:i32,polygon:BokehPolygon,settings:BokehSamplingSettings,BokehLinearClamp:sampler)->BokehTargets{
-let centerPixel=BokehFetchTexel(MapSamp,BokehToTexture(uv));
+let centerPixel=BokehFetch(MapSamp,uv,BokehLinearClamp);
 var rays=false;
 if(last<4){
 rays=polygon.sides==6;}
@@ -1735,20 +1736,20 @@ return targets;}
 fn BokehSquareFirst(MapSamp:texture_2d<f32>,uv:vec2f,polygon:BokehPolygon,settings:BokehSamplingSettings,BokehLinearClamp:sampler)->BokehTargets{
 return BokehExactFirst(MapSamp,uv,2,polygon,settings,BokehLinearClamp);}
 fn BokehSquareSecond(Strip2Samp:texture_2d<f32>,uv:vec2f,polygon:BokehPolygon,settings:BokehSamplingSettings,BokehLinearClamp:sampler)->vec4f{
-let pixel=BokehFetchTexel(Strip2Samp,BokehToTexture(uv));
+let pixel=BokehFetch(Strip2Samp,uv,BokehLinearClamp);
 let L2=BokehLineSum(Strip2Samp,uv,2,polygon,true,false,pixel,settings,BokehLinearClamp);
 return BokehResolved(L2.sum,pixel);}
 fn BokehHexagonFirst(MapSamp:texture_2d<f32>,uv:vec2f,polygon:BokehPolygon,settings:BokehSamplingSettings,BokehLinearClamp:sampler)->BokehTargets{
 return BokehExactFirst(MapSamp,uv,3,polygon,settings,BokehLinearClamp);}
 fn BokehHexagonSecond(Strip2Samp:texture_2d<f32>,Strip3Samp:texture_2d<f32>,uv:vec2f,polygon:BokehPolygon,settings:BokehSamplingSettings,BokehLinearClamp:sampler)->vec4f{
-let pixel=BokehFetchTexel(Strip2Samp,BokehToTexture(uv));
+let pixel=BokehFetch(Strip2Samp,uv,BokehLinearClamp);
 let L2=BokehLineSum(Strip2Samp,uv,2,polygon,true,true,pixel,settings,BokehLinearClamp);
 let L3=BokehLineSum(Strip3Samp,uv,3,polygon,true,true,pixel,settings,BokehLinearClamp);
 return BokehResolved(L2.sum+L3.sum,pixel);}
 fn BokehOctagonFirst(MapSamp:texture_2d<f32>,uv:vec2f,polygon:BokehPolygon,settings:BokehSamplingSettings,BokehLinearClamp:sampler)->BokehTargets{
 return BokehExactFirst(MapSamp,uv,4,polygon,settings,BokehLinearClamp);}
 fn BokehOctagonSecond(Strip2Samp:texture_2d<f32>,Strip3Samp:texture_2d<f32>,Strip4Samp:texture_2d<f32>,uv:vec2f,polygon:BokehPolygon,settings:BokehSamplingSettings,BokehLinearClamp:sampler)->vec4f{
-let pixel=BokehFetchTexel(Strip2Samp,BokehToTexture(uv));
+let pixel=BokehFetch(Strip2Samp,uv,BokehLinearClamp);
 let L2=BokehLineSum(Strip2Samp,uv,2,polygon,true,false,pixel,settings,BokehLinearClamp);
 let L3=BokehLineSum(Strip3Samp,uv,3,polygon,true,false,pixel,settings,BokehLinearClamp);
 let L4=BokehLineSum(Strip4Samp,uv,4,polygon,true,false,pixel,settings,BokehLinearClamp);
@@ -1756,7 +1757,7 @@ return BokehResolved(L2.sum+L3.sum+L4.sum,pixel);}
 fn BokehDecagonFirst(MapSamp:texture_2d<f32>,uv:vec2f,polygon:BokehPolygon,settings:BokehSamplingSettings,BokehLinearClamp:sampler)->BokehTargets{
 return BokehExactFirst(MapSamp,uv,5,polygon,settings,BokehLinearClamp);}
 fn BokehDecagonSecond(Strip2Samp:texture_2d<f32>,Strip3Samp:texture_2d<f32>,Strip4Samp:texture_2d<f32>,Strip5Samp:texture_2d<f32>,uv:vec2f,polygon:BokehPolygon,settings:BokehSamplingSettings,BokehLinearClamp:sampler)->vec4f{
-let pixel=BokehFetchTexel(Strip2Samp,BokehToTexture(uv));
+let pixel=BokehFetch(Strip2Samp,uv,BokehLinearClamp);
 let L2=BokehLineSum(Strip2Samp,uv,2,polygon,true,false,pixel,settings,BokehLinearClamp);
 let L3=BokehLineSum(Strip3Samp,uv,3,polygon,true,false,pixel,settings,BokehLinearClamp);
 let L4=BokehLineSum(Strip4Samp,uv,4,polygon,true,false,pixel,settings,BokehLinearClamp);
@@ -1949,7 +1950,7 @@ let weight=CoC/16.+1.-max(tiles-2.,0.);
 return CoC*clamp(weight,vec2f(0.),vec2f(1.));}
 fn BokehReachTiles(layers:BokehLayerContext)->f32{
 return min(ceil(layers.largest/16.)+2.,127.);}
-fn BokehTileDilate(TilesSamp:texture_2d<f32>,axis:vec2f,layers:BokehLayerContext)->vec4f{
+fn BokehTileDilate(TilesSamp:texture_2d<f32>,axis:vec2f,layers:BokehLayerContext,BokehLinearClamp:sampler)->vec4f{
 let grid=BokehReducedGrid(layers,8.);
 let radius=BokehReachTiles(layers);
 var found=vec2f(0.);
@@ -1958,7 +1959,7 @@ for(var i=0;i<255;i++){
 let tiles=f32(i)-radius;
 if(tiles>radius){
 break;}
-let tile=BokehFetchGridTexel(TilesSamp,layers.uv*grid.size+axis*tiles,grid);
+let tile=BokehFetchGrid(TilesSamp,layers.uv*grid.size+axis*tiles,grid,BokehLinearClamp);
 found=max(found,BokehReaching(tile.rg,abs(tiles)));
 logBrightness+=tile.b;}
 return vec4f(found,logBrightness/(2.*radius+1.),1.);}
@@ -2067,9 +2068,9 @@ var targets:BokehTileSums;
 targets.gatherCoC=vec4f(gatherCoC,0.,1.);
 targets.sums=sums/f32(texels*texels);
 return targets;}
-fn BokehLayerCoCAlong(GatherCoCSamp:texture_2d<f32>,SumsSamp:texture_2d<f32>,DilatedTilesSamp:texture_2d<f32>,axis:vec2f,layers:BokehLayerContext)->BokehTileSums{
+fn BokehLayerCoCAlong(GatherCoCSamp:texture_2d<f32>,SumsSamp:texture_2d<f32>,DilatedTilesSamp:texture_2d<f32>,axis:vec2f,layers:BokehLayerContext,BokehLinearClamp:sampler)->BokehTileSums{
 let grid=BokehReducedGrid(layers,8.);
-let tile=BokehFetchGridTexel(DilatedTilesSamp,layers.uv*grid.size,grid).rg;
+let tile=BokehFetchGrid(DilatedTilesSamp,layers.uv*grid.size,grid,BokehLinearClamp).rg;
 let sigma=max(tile*.0375,vec2f(.6));
 let radius=BokehReachTiles(layers);
 var sums=vec4f(0.);
@@ -2081,21 +2082,21 @@ if(tiles>radius){
 break;}
 let place=layers.uv*grid.size+axis*tiles;
 let weight=exp(-.5*tiles*tiles/(sigma*sigma));
-sums+=BokehFetchGridTexel(SumsSamp,place,grid)*vec4f(weight.x,weight.x,weight.y,weight.y);
-gatherCoC=max(gatherCoC,BokehReaching(BokehFetchGridTexel(GatherCoCSamp,place,grid).rg,abs(tiles)));
+sums+=BokehFetchGrid(SumsSamp,place,grid,BokehLinearClamp)*vec4f(weight.x,weight.x,weight.y,weight.y);
+gatherCoC=max(gatherCoC,BokehReaching(BokehFetchGrid(GatherCoCSamp,place,grid,BokehLinearClamp).rg,abs(tiles)));
 total+=weight;}
 var targets:BokehTileSums;
 targets.gatherCoC=vec4f(gatherCoC,0.,1.);
 targets.sums=sums/vec4f(total.x,total.x,total.y,total.y);
 return targets;}
-fn BokehLayerCoCRows(GatherCoCSamp:texture_2d<f32>,SumsSamp:texture_2d<f32>,DilatedTilesSamp:texture_2d<f32>,layers:BokehLayerContext)->BokehTileSums{
-return BokehLayerCoCAlong(GatherCoCSamp,SumsSamp,DilatedTilesSamp,vec2f(1.,0.),layers);}
+fn BokehLayerCoCRows(GatherCoCSamp:texture_2d<f32>,SumsSamp:texture_2d<f32>,DilatedTilesSamp:texture_2d<f32>,layers:BokehLayerContext,BokehLinearClamp:sampler)->BokehTileSums{
+return BokehLayerCoCAlong(GatherCoCSamp,SumsSamp,DilatedTilesSamp,vec2f(1.,0.),layers,BokehLinearClamp);}
 struct BokehLayerCoCTargets{
 gatherTiles:vec4f,layerCoC:vec4f,}
-fn BokehLayerCoCColumns(GatherCoCSamp:texture_2d<f32>,SumsSamp:texture_2d<f32>,DilatedTilesSamp:texture_2d<f32>,layers:BokehLayerContext)->BokehLayerCoCTargets{
+fn BokehLayerCoCColumns(GatherCoCSamp:texture_2d<f32>,SumsSamp:texture_2d<f32>,DilatedTilesSamp:texture_2d<f32>,layers:BokehLayerContext,BokehLinearClamp:sampler)->BokehLayerCoCTargets{
 let grid=BokehReducedGrid(layers,8.);
-let tile=BokehFetchGridTexel(DilatedTilesSamp,layers.uv*grid.size,grid).rg;
-let tileSums=BokehLayerCoCAlong(GatherCoCSamp,SumsSamp,DilatedTilesSamp,vec2f(0.,1.),layers);
+let tile=BokehFetchGrid(DilatedTilesSamp,layers.uv*grid.size,grid,BokehLinearClamp).rg;
+let tileSums=BokehLayerCoCAlong(GatherCoCSamp,SumsSamp,DilatedTilesSamp,vec2f(0.,1.),layers,BokehLinearClamp);
 let sums=tileSums.sums;
 var layerCoC=vec2f(0.);
 if(sums.g>.0001&&tile.r>6.){
@@ -2198,8 +2199,8 @@ let inverseBrightness=exp2(-tile.b);
 var corner=BokehRotated(polygon.corner,polygon.axis);
 var direction=BokehEdgeDirection(1,polygon);
 let turn=BokehTurn(1.,polygon);
-var midColor=BokehFetchGridTexel(MidSamp,center,grid);
-var farColor=BokehFetchGridTexel(FarSamp,center,grid);
+var midColor=BokehFetchGrid(MidSamp,center,grid,BokehLinearClamp);
+var farColor=BokehFetchGrid(FarSamp,center,grid,BokehLinearClamp);
 var weights=BokehHoleWeights(midColor,farColor,inverseBrightness);
 for(var ring=0;ring<3;ring++){
 if(nearCoC<6.){
@@ -2279,7 +2280,7 @@ targets.strip3=BokehLayerTarget(3,polygon,L1,L2,zero,zero);
 targets.strip4=BokehLayerTarget(4,polygon,L1,L2,L3,zero);
 targets.strip5=BokehLayerTarget(5,polygon,L1,L2,L3,L4);}
 else{
-targets.strip2=BokehFetchGridTexel(LayerSamp,center,grid);
+targets.strip2=BokehFetchGrid(LayerSamp,center,grid,BokehLinearClamp);
 targets.strip3=targets.strip2;
 targets.strip4=targets.strip2;
 targets.strip5=targets.strip2;}
@@ -2300,7 +2301,7 @@ if(polygon.sides>8){
 result+=BokehLayerLine(Strip5Samp,Strip5Samp,5,polygon,true,blur,layers,BokehLinearClamp);}
 result=result/polygon.area;}
 else{
-result=BokehFetchGridTexel(Strip2Samp,center,grid);}
+result=BokehFetchGrid(Strip2Samp,center,grid,BokehLinearClamp);}
 return result;}
 struct BokehLayersTargets{
 nearStrip2:vec4f,farStrip2:vec4f,nearStrip3:vec4f,farStrip3:vec4f,}
@@ -2342,16 +2343,16 @@ result=clamp(sum,min(min(c,min(l,r)),min(t,b)),max(max(c,max(l,r)),max(t,b)));}
 else{
 result=BokehFetchGrid(LayerSamp,place,grid,BokehLinearClamp);}
 return result;}
-fn BokehSpreadSquare(CoC:vec2f)->vec2f{
-let square=CoC*CoC*.25;
-return square*square/(square+.3);}
+fn BokehSpreadInverse(CoC:vec2f)->vec2f{
+let inverse=1./max(CoC*CoC,vec2f(.000001));
+return inverse*(inverse*(16.*.3)+4.);}
 struct BokehRingLayout{
 radius:f32,spacing:f32,narrowing:f32,}
 fn BokehRingBorder(ring:i32,rings:BokehRingLayout)->f32{
 let even=rings.spacing*(f32(ring)+.5);
 return max(even+even*(even/rings.radius-1.)*rings.narrowing,min(even,f32(ring)+.5));}
 struct BokehGather{
-sum:vec4f,front:vec4f,farFound:f32,center:vec2f,s:f32,square:f32,nearWeight:f32,slopes:vec2f,snapping:f32,bounds:vec2f,inner:f32,}
+sum:vec4f,front:vec4f,farFound:f32,center:vec2f,s:f32,inverse:f32,nearWeight:f32,slopes:vec2f,snapping:f32,bounds:vec2f,inner:f32,}
 fn BokehGatherRing(before:BokehGather,MapSamp:texture_2d<f32>,ring:i32,onEdge:i32,outer:f32,polygon:BokehPolygon,layers:BokehLayerContext,BokehLinearClamp:sampler)->BokehGather{
 var gather=before;
 let full=BokehFullGrid(layers);
@@ -2361,6 +2362,7 @@ let outwards=.58-.04*f32(BOKEH_LAYER_RINGS);
 let current=gather.inner+(outer-gather.inner)*outwards;
 let innerSquare=gather.inner*gather.inner;
 let area=outer*outer-innerSquare;
+let ownCovers=max(min(1.-innerSquare*gather.inverse,area*gather.inverse),0.);
 var phase=layers.jitter*clamp(current/f32(ring)-1.,0.,1.);
 if(ring != 2){
 phase+=.5;}
@@ -2382,10 +2384,9 @@ let pixel=(BokehFetchAround(MapSamp,gather.center,offset,full,BokehLinearClamp))
 let other=(BokehFetchAround(MapSamp,gather.center,-offset,full,BokehLinearClamp));
 let CoC=vec2f(f32(pixel.a),f32(other.a))*full.size.y;
 let isBehind=clamp(CoC*2.-2.*gather.s,zero,one)*(1. -gather.nearWeight);
-var square=clamp(BokehSpreadSquare(CoC),gather.bounds.xx,gather.bounds.yy);
-square+=(gather.square-square)*isBehind;
-var covers=cell*clamp(square-innerSquare,zero,vec2f(area,area)) /
-square;
+let inverse=clamp(BokehSpreadInverse(CoC),gather.bounds.xx,gather.bounds.yy);
+var covers=max(min(1.-innerSquare*inverse,area*inverse),zero);
+covers=cell*(covers+(ownCovers-covers)*isBehind);
 let inFar=covers*clamp(CoC*gather.slopes.y-2.,zero,one);
 covers=covers*(1.-clamp(CoC * -gather.slopes.x-2.,zero,one))-inFar;
 gather.farFound+=inFar.x+inFar.y;
@@ -2450,8 +2451,9 @@ gather.slopes=vec2f(BokehNearSlope(tile.r),BokehFarSlope(tile.g));
 let nearWeight=BokehLayerWeight(-s,gather.slopes.x);
 let farWeight=BokehLayerWeight(s,gather.slopes.y);
 gather.nearWeight=nearWeight;
-gather.square=BokehSpreadSquare(vec2f(s,s)).x;
-let restRadius=clamp(16.-16.*farWeight,0.,1.)*(1.-nearWeight)*sqrt(gather.square);
+gather.inverse=BokehSpreadInverse(vec2f(s,s)).x;
+let restRadius=clamp(16.-16.*farWeight,0.,1.)*(1.-nearWeight) /
+sqrt(gather.inverse);
 var radius=max(max(restRadius,.01),.5*max(tile.b,tile.a*farWeight));
 if(BOKEH_LAYER_RINGS==0){
 radius=min(radius,6.);}
@@ -2473,9 +2475,8 @@ ringLayout.spacing=max(min(radius/1.499,1.),radius/(rings+.499));
 gather.inner=BokehRingBorder(0,ringLayout);
 if(radius<.5){
 gather.inner=radius;}
-gather.bounds=vec2f(gather.inner*gather.inner,radius*radius);
-gather.square=clamp(gather.square,gather.bounds.x,gather.bounds.y);
-let weight=(1.-nearWeight)*gather.bounds.x/gather.square;
+gather.bounds=1./vec2f(radius*radius,gather.inner*gather.inner);
+let weight=(1.-nearWeight)*min(gather.inverse/gather.bounds.y,1.);
 gather.farFound=weight*farWeight;
 gather.sum=vec4f(vec4f((vec4f(centerPixel.rgb,1.)))*(weight-gather.farFound));
 gather.front=vec4f(0.);

@@ -593,7 +593,7 @@ return result;
 BokehTargets BokehExactFirst(BOKEH_TEXTURE MapSamp, vec2 uv, int last, BokehPolygon polygon,
 BokehSamplingSettings settings)
 {
-vec4 centerPixel = BokehFetchTexel(MapSamp, BokehToTexture(uv));
+vec4 centerPixel = BokehFetch(MapSamp, uv);
 bool rays = false;
 if (last < 4)
 {
@@ -632,7 +632,7 @@ return BokehExactFirst(MapSamp, uv, 2, polygon, settings);
 vec4 BokehSquareSecond(BOKEH_TEXTURE Strip2Samp, vec2 uv, BokehPolygon polygon,
 BokehSamplingSettings settings)
 {
-vec4 pixel = BokehFetchTexel(Strip2Samp, BokehToTexture(uv));
+vec4 pixel = BokehFetch(Strip2Samp, uv);
 BokehLine L2 = BokehLineSum(Strip2Samp, uv, 2, polygon, true, false, pixel, settings);
 return BokehResolved(L2.sum, pixel);
 }
@@ -644,7 +644,7 @@ return BokehExactFirst(MapSamp, uv, 3, polygon, settings);
 vec4 BokehHexagonSecond(BOKEH_TEXTURE Strip2Samp, BOKEH_TEXTURE Strip3Samp, vec2 uv,
 BokehPolygon polygon, BokehSamplingSettings settings)
 {
-vec4 pixel = BokehFetchTexel(Strip2Samp, BokehToTexture(uv));
+vec4 pixel = BokehFetch(Strip2Samp, uv);
 BokehLine L2 = BokehLineSum(Strip2Samp, uv, 2, polygon, true, true, pixel, settings);
 BokehLine L3 = BokehLineSum(Strip3Samp, uv, 3, polygon, true, true, pixel, settings);
 return BokehResolved(L2.sum + L3.sum, pixel);
@@ -657,7 +657,7 @@ return BokehExactFirst(MapSamp, uv, 4, polygon, settings);
 vec4 BokehOctagonSecond(BOKEH_TEXTURE Strip2Samp, BOKEH_TEXTURE Strip3Samp,
 BOKEH_TEXTURE Strip4Samp, vec2 uv, BokehPolygon polygon, BokehSamplingSettings settings)
 {
-vec4 pixel = BokehFetchTexel(Strip2Samp, BokehToTexture(uv));
+vec4 pixel = BokehFetch(Strip2Samp, uv);
 BokehLine L2 = BokehLineSum(Strip2Samp, uv, 2, polygon, true, false, pixel, settings);
 BokehLine L3 = BokehLineSum(Strip3Samp, uv, 3, polygon, true, false, pixel, settings);
 BokehLine L4 = BokehLineSum(Strip4Samp, uv, 4, polygon, true, false, pixel, settings);
@@ -672,7 +672,7 @@ vec4 BokehDecagonSecond(BOKEH_TEXTURE Strip2Samp, BOKEH_TEXTURE Strip3Samp,
 BOKEH_TEXTURE Strip4Samp, BOKEH_TEXTURE Strip5Samp, vec2 uv, BokehPolygon polygon,
 BokehSamplingSettings settings)
 {
-vec4 pixel = BokehFetchTexel(Strip2Samp, BokehToTexture(uv));
+vec4 pixel = BokehFetch(Strip2Samp, uv);
 BokehLine L2 = BokehLineSum(Strip2Samp, uv, 2, polygon, true, false, pixel, settings);
 BokehLine L3 = BokehLineSum(Strip3Samp, uv, 3, polygon, true, false, pixel, settings);
 BokehLine L4 = BokehLineSum(Strip4Samp, uv, 4, polygon, true, false, pixel, settings);
@@ -1068,7 +1068,7 @@ if (tiles > radius)
 {
 break;
 }
-vec4 tile = BokehFetchGridTexel(TilesSamp, layers.uv * grid.size + axis * tiles, grid);
+vec4 tile = BokehFetchGrid(TilesSamp, layers.uv * grid.size + axis * tiles, grid);
 found = max(found, BokehReaching(tile.rg, abs(tiles)));
 logBrightness += tile.b;
 }
@@ -1238,7 +1238,7 @@ BokehTileSums BokehLayerCoCAlong(BOKEH_TEXTURE GatherCoCSamp, BOKEH_TEXTURE Sums
 BOKEH_TEXTURE DilatedTilesSamp, vec2 axis, BokehLayerContext layers)
 {
 BokehGrid grid = BokehReducedGrid(layers, 8.0);
-vec2 tile = BokehFetchGridTexel(DilatedTilesSamp, layers.uv * grid.size, grid).rg;
+vec2 tile = BokehFetchGrid(DilatedTilesSamp, layers.uv * grid.size, grid).rg;
 vec2 sigma = max(tile * BOKEH_TUNED_COC_SIGMA, vec2(0.6, 0.6));
 float radius = BokehReachTiles(layers);
 vec4 sums = vec4(0.0, 0.0, 0.0, 0.0);
@@ -1253,9 +1253,9 @@ break;
 }
 vec2 place = layers.uv * grid.size + axis * tiles;
 vec2 weight = exp(-0.5 * tiles * tiles / (sigma * sigma));
-sums += BokehFetchGridTexel(SumsSamp, place, grid) * vec4(weight.x, weight.x, weight.y,
+sums += BokehFetchGrid(SumsSamp, place, grid) * vec4(weight.x, weight.x, weight.y,
 weight.y);
-gatherCoC = max(gatherCoC, BokehReaching(BokehFetchGridTexel(GatherCoCSamp, place, grid).rg,
+gatherCoC = max(gatherCoC, BokehReaching(BokehFetchGrid(GatherCoCSamp, place, grid).rg,
 abs(tiles)));
 total += weight;
 }
@@ -1278,7 +1278,7 @@ BokehLayerCoCTargets BokehLayerCoCColumns(BOKEH_TEXTURE GatherCoCSamp, BOKEH_TEX
 BOKEH_TEXTURE DilatedTilesSamp, BokehLayerContext layers)
 {
 BokehGrid grid = BokehReducedGrid(layers, 8.0);
-vec2 tile = BokehFetchGridTexel(DilatedTilesSamp, layers.uv * grid.size, grid).rg;
+vec2 tile = BokehFetchGrid(DilatedTilesSamp, layers.uv * grid.size, grid).rg;
 BokehTileSums tileSums = BokehLayerCoCAlong(GatherCoCSamp, SumsSamp, DilatedTilesSamp, vec2(0.0,
 1.0), layers);
 vec4 sums = tileSums.sums;
@@ -1440,8 +1440,8 @@ float inverseBrightness = exp2(-tile.b);
 vec2 corner = BokehRotated(polygon.corner, polygon.axis);
 vec2 direction = BokehEdgeDirection(1, polygon);
 vec2 turn = BokehTurn(1.0, polygon);
-vec4 midColor = BokehFetchGridTexel(MidSamp, center, grid);
-vec4 farColor = BokehFetchGridTexel(FarSamp, center, grid);
+vec4 midColor = BokehFetchGrid(MidSamp, center, grid);
+vec4 farColor = BokehFetchGrid(FarSamp, center, grid);
 vec2 weights = BokehHoleWeights(midColor, farColor, inverseBrightness);
 for (int ring = 0; ring < 3; ring++)
 {
@@ -1561,7 +1561,7 @@ targets.strip5 = BokehLayerTarget(5, polygon, L1, L2, L3, L4);
 }
 else
 {
-targets.strip2 = BokehFetchGridTexel(LayerSamp, center, grid);
+targets.strip2 = BokehFetchGrid(LayerSamp, center, grid);
 targets.strip3 = targets.strip2;
 targets.strip4 = targets.strip2;
 targets.strip5 = targets.strip2;
@@ -1596,7 +1596,7 @@ result = result / polygon.area;
 }
 else
 {
-result = BokehFetchGridTexel(Strip2Samp, center, grid);
+result = BokehFetchGrid(Strip2Samp, center, grid);
 }
 return result;
 }
@@ -1667,10 +1667,10 @@ result = BokehFetchGrid(LayerSamp, place, grid);
 }
 return result;
 }
-vec2 BokehSpreadSquare(vec2 CoC)
+vec2 BokehSpreadInverse(vec2 CoC)
 {
-vec2 square = CoC * CoC * 0.25;
-return square * square / (square + BOKEH_TUNED_PIXEL_BLUR);
+vec2 inverse = 1.0 / max(CoC * CoC, vec2(0.000001, 0.000001));
+return inverse * (inverse * (16.0 * BOKEH_TUNED_PIXEL_BLUR) + 4.0);
 }
 struct BokehRingLayout
 {
@@ -1691,7 +1691,7 @@ BOKEH_HALF4 front;
 float farFound;
 vec2 center;
 float s;
-float square;
+float inverse;
 float nearWeight;
 vec2 slopes;
 float snapping;
@@ -1718,6 +1718,7 @@ float outwards = BOKEH_TUNED_RING_POSITION - BOKEH_TUNED_RING_STEP * float(BOKEH
 float current = gather.inner + (outer - gather.inner) * outwards;
 float innerSquare = gather.inner * gather.inner;
 float area = outer * outer - innerSquare;
+float ownCovers = max(min(1.0 - innerSquare * gather.inverse, area * gather.inverse), 0.0);
 float phase = layers.jitter * clamp(current / float(ring) - 1.0, 0.0, 1.0);
 if (ring != 2)
 {
@@ -1747,9 +1748,10 @@ full));
 vec2 CoC = vec2(float(pixel.a), float(other.a)) * full.size.y;
 vec2 isBehind = clamp(CoC * 2.0 - 2.0 * gather.s, zero, one) * (1.0 -
 gather.nearWeight);
-vec2 square = clamp(BokehSpreadSquare(CoC), gather.bounds.xx, gather.bounds.yy);
-square += (gather.square - square) * isBehind;
-vec2 covers = cell * clamp(square - innerSquare, zero, vec2(area, area)) / square;
+vec2 inverse = clamp(BokehSpreadInverse(CoC), gather.bounds.xx,
+gather.bounds.yy);
+vec2 covers = max(min(1.0 - innerSquare * inverse, area * inverse), zero);
+covers = cell * (covers + (ownCovers - covers) * isBehind);
 vec2 inFar = covers * clamp(CoC * gather.slopes.y - 2.0, zero, one);
 covers = covers * (1.0 - clamp(CoC * -gather.slopes.x - 2.0, zero, one)) - inFar;
 gather.farFound += inFar.x + inFar.y;
@@ -1836,9 +1838,9 @@ gather.slopes = vec2(BokehNearSlope(tile.r), BokehFarSlope(tile.g));
 float nearWeight = BokehLayerWeight(-s, gather.slopes.x);
 float farWeight = BokehLayerWeight(s, gather.slopes.y);
 gather.nearWeight = nearWeight;
-gather.square = BokehSpreadSquare(vec2(s, s)).x;
-float restRadius = clamp(16.0 - 16.0 * farWeight, 0.0, 1.0) * (1.0 - nearWeight) *
-sqrt(gather.square);
+gather.inverse = BokehSpreadInverse(vec2(s, s)).x;
+float restRadius = clamp(16.0 - 16.0 * farWeight, 0.0, 1.0) * (1.0 - nearWeight) /
+sqrt(gather.inverse);
 float radius = max(max(restRadius, 0.01), 0.5 * max(tile.b, tile.a * farWeight));
 if (BOKEH_LAYER_RINGS == 0)
 {
@@ -1874,9 +1876,8 @@ if (radius < 0.5)
 {
 gather.inner = radius;
 }
-gather.bounds = vec2(gather.inner * gather.inner, radius * radius);
-gather.square = clamp(gather.square, gather.bounds.x, gather.bounds.y);
-float weight = (1.0 - nearWeight) * gather.bounds.x / gather.square;
+gather.bounds = 1.0 / vec2(radius * radius, gather.inner * gather.inner);
+float weight = (1.0 - nearWeight) * min(gather.inverse / gather.bounds.y, 1.0);
 gather.farFound = weight * farWeight;
 gather.sum = BOKEH_TO_HALF4(vec4(BokehHalfTexel(vec4(centerPixel.rgb, 1.0))) *
 (weight - gather.farFound));

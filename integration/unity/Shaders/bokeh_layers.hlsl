@@ -402,7 +402,7 @@ float BokehReachTiles(BokehLayerContext layers)
 //      . . K . .   -->  K K K K K      if a CoC of K reaches two tiles in each direction
 //   axis          (1, 0), then (0, 1)
 //   returns       r = near, g = far, pixels; b = mean log2 of brightness of the tiles around
-float4 BokehTileDilate(BOKEH_TEXTURE TilesSamp, float2 axis, BokehLayerContext layers)
+float4 BokehTileDilate(BOKEH_TEXTURE TilesSamp, float2 axis, BokehLayerContext layers BOKEH_SAMPLER)
 {
     BokehGrid grid = BokehReducedGrid(layers, 8.0);
     float radius = BokehReachTiles(layers);
@@ -415,8 +415,8 @@ float4 BokehTileDilate(BOKEH_TEXTURE TilesSamp, float2 axis, BokehLayerContext l
         {
             break;
         }
-        float4 tile = BokehFetchGridTexel(TilesSamp, layers.uv * grid.size + axis * tiles,
-            grid);
+        float4 tile = BokehFetchGrid(TilesSamp, layers.uv * grid.size + axis * tiles,
+            grid BOKEH_LINEAR);
         found = max(found, BokehReaching(tile.rg, abs(tiles)));
         logBrightness += tile.b;
     }
@@ -641,10 +641,10 @@ BokehTileSums BokehLayerCoCReduce(BOKEH_TEXTURE SumsSamp, BOKEH_TEXTURE GatherCo
 // Layers: does the work of BokehLayerCoCRows along any axis
 //   axis          (1, 0) or (0, 1)
 BokehTileSums BokehLayerCoCAlong(BOKEH_TEXTURE GatherCoCSamp, BOKEH_TEXTURE SumsSamp,
-    BOKEH_TEXTURE DilatedTilesSamp, float2 axis, BokehLayerContext layers)
+    BOKEH_TEXTURE DilatedTilesSamp, float2 axis, BokehLayerContext layers BOKEH_SAMPLER)
 {
     BokehGrid grid = BokehReducedGrid(layers, 8.0);
-    float2 tile = BokehFetchGridTexel(DilatedTilesSamp, layers.uv * grid.size, grid).rg;
+    float2 tile = BokehFetchGrid(DilatedTilesSamp, layers.uv * grid.size, grid BOKEH_LINEAR).rg;
     float2 sigma = max(tile * BOKEH_TUNED_COC_SIGMA, float2(0.6, 0.6));
     float radius = BokehReachTiles(layers);
     float4 sums = float4(0.0, 0.0, 0.0, 0.0);
@@ -659,10 +659,10 @@ BokehTileSums BokehLayerCoCAlong(BOKEH_TEXTURE GatherCoCSamp, BOKEH_TEXTURE Sums
         }
         float2 place = layers.uv * grid.size + axis * tiles;
         float2 weight = exp(-0.5 * tiles * tiles / (sigma * sigma));
-        sums += BokehFetchGridTexel(SumsSamp, place, grid) * float4(weight.x, weight.x,
+        sums += BokehFetchGrid(SumsSamp, place, grid BOKEH_LINEAR) * float4(weight.x, weight.x,
             weight.y, weight.y);
-        gatherCoC = max(gatherCoC, BokehReaching(BokehFetchGridTexel(GatherCoCSamp, place,
-            grid).rg, abs(tiles)));
+        gatherCoC = max(gatherCoC, BokehReaching(BokehFetchGrid(GatherCoCSamp, place,
+            grid BOKEH_LINEAR).rg, abs(tiles)));
         total += weight;
     }
     BokehTileSums targets;
@@ -676,10 +676,10 @@ BokehTileSums BokehLayerCoCAlong(BOKEH_TEXTURE GatherCoCSamp, BOKEH_TEXTURE Sums
 //   reaches each tile, and a mean of the sums by a Gaussian with a standard deviation of 0.3 of the
 //   CoC in reach.
 BokehTileSums BokehLayerCoCRows(BOKEH_TEXTURE GatherCoCSamp, BOKEH_TEXTURE SumsSamp,
-    BOKEH_TEXTURE DilatedTilesSamp, BokehLayerContext layers)
+    BOKEH_TEXTURE DilatedTilesSamp, BokehLayerContext layers BOKEH_SAMPLER)
 {
     return BokehLayerCoCAlong(GatherCoCSamp, SumsSamp, DilatedTilesSamp, float2(1.0, 0.0),
-        layers);
+        layers BOKEH_LINEAR);
 }
 
 // Layers: holds what BokehLayerCoCColumns writes
@@ -697,12 +697,12 @@ struct BokehLayerCoCTargets
 //   layerCoC for the passes that blur the layers: a blur can be separated into two passes only
 //   where all pixels around use one CoC.
 BokehLayerCoCTargets BokehLayerCoCColumns(BOKEH_TEXTURE GatherCoCSamp, BOKEH_TEXTURE SumsSamp,
-    BOKEH_TEXTURE DilatedTilesSamp, BokehLayerContext layers)
+    BOKEH_TEXTURE DilatedTilesSamp, BokehLayerContext layers BOKEH_SAMPLER)
 {
     BokehGrid grid = BokehReducedGrid(layers, 8.0);
-    float2 tile = BokehFetchGridTexel(DilatedTilesSamp, layers.uv * grid.size, grid).rg;
+    float2 tile = BokehFetchGrid(DilatedTilesSamp, layers.uv * grid.size, grid BOKEH_LINEAR).rg;
     BokehTileSums tileSums = BokehLayerCoCAlong(GatherCoCSamp, SumsSamp, DilatedTilesSamp,
-        float2(0.0, 1.0), layers);
+        float2(0.0, 1.0), layers BOKEH_LINEAR);
     float4 sums = tileSums.sums;
     float2 layerCoC = float2(0.0, 0.0);
     if (sums.g > 0.0001 && tile.r > BOKEH_TUNED_NEAR_START)
@@ -926,8 +926,8 @@ BokehFilled BokehHoleFill(BOKEH_TEXTURE MidSamp, BOKEH_TEXTURE FarSamp,
     float2 corner = BokehRotated(polygon.corner, polygon.axis);
     float2 direction = BokehEdgeDirection(1, polygon);
     float2 turn = BokehTurn(1.0, polygon);
-    float4 midColor = BokehFetchGridTexel(MidSamp, center, grid);
-    float4 farColor = BokehFetchGridTexel(FarSamp, center, grid);
+    float4 midColor = BokehFetchGrid(MidSamp, center, grid BOKEH_LINEAR);
+    float4 farColor = BokehFetchGrid(FarSamp, center, grid BOKEH_LINEAR);
     float2 weights = BokehHoleWeights(midColor, farColor, inverseBrightness);
     for (int ring = 0; ring < 3; ring++)
     {
@@ -1077,7 +1077,7 @@ BokehTargets BokehLayerFirst(BOKEH_TEXTURE LayerSamp, BOKEH_TEXTURE QuarterSamp,
     }
     else
     {
-        targets.strip2 = BokehFetchGridTexel(LayerSamp, center, grid);
+        targets.strip2 = BokehFetchGrid(LayerSamp, center, grid BOKEH_LINEAR);
         targets.strip3 = targets.strip2;
         targets.strip4 = targets.strip2;
         targets.strip5 = targets.strip2;
@@ -1122,7 +1122,7 @@ float4 BokehLayerSecond(BOKEH_TEXTURE Strip2Samp, BOKEH_TEXTURE Strip3Samp,
     }
     else
     {
-        result = BokehFetchGridTexel(Strip2Samp, center, grid);
+        result = BokehFetchGrid(Strip2Samp, center, grid BOKEH_LINEAR);
     }
     return result;
 }
@@ -1220,13 +1220,12 @@ float4 BokehFetchLayer(BOKEH_TEXTURE LayerSamp, float2 place, BokehGrid grid BOK
     return result;
 }
 
-// Layers: returns the squared radius of the discs over which two CoC spread, pixels
-//   With r = CoC / 2, it is r^4 / (r^2 + BOKEH_TUNED_PIXEL_BLUR): about r^2 minus the constant if r
-//   is large, and 0 for a CoC of 0.
-float2 BokehSpreadSquare(float2 CoC)
+// Layers: returns 1 / radius^2 of the discs over which two CoC spread, pixels
+//   With r = CoC / 2 it is (r^2 + BOKEH_TUNED_PIXEL_BLUR) / r^4.
+float2 BokehSpreadInverse(float2 CoC)
 {
-    float2 square = CoC * CoC * 0.25;
-    return square * square / (square + BOKEH_TUNED_PIXEL_BLUR);
+    float2 inverse = 1.0 / max(CoC * CoC, float2(0.000001, 0.000001));
+    return inverse * (inverse * (16.0 * BOKEH_TUNED_PIXEL_BLUR) + 4.0);
 }
 
 // Layers: describes how the gather of a pixel is divided into rings
@@ -1254,12 +1253,12 @@ float BokehRingBorder(int ring, BokehRingLayout rings)
 //   front         the same of what is in front of this pixel
 //   farFound      weight of what was found in the far layer
 //   center        middle of this pixel, texels
-//   s, square, nearWeight  of this pixel: signed CoC in pixels, BokehSpreadSquare, near layer
+//   s, inverse, nearWeight  of this pixel: signed CoC in pixels, BokehSpreadInverse, near layer
 //                 weight
 //   slopes        of the near and the far layer
 //   snapping      0: linear filter; the larger, the closer to the nearest texel
-//   bounds        lower and upper limit of BokehSpreadSquare of this pixel and of samples: the
-//                 squared radii of the inner disc and of the gather
+//   bounds        lower and upper limit of a sample's 1 / radius^2: the values for the gather's
+//                 radius and for the inner disc
 //   inner         where the next ring begins, pixels
 struct BokehGather
 {
@@ -1268,7 +1267,7 @@ struct BokehGather
     float farFound;
     float2 center;
     float s;
-    float square;
+    float inverse;
     float nearWeight;
     float2 slopes;
     float snapping;
@@ -1306,6 +1305,8 @@ BokehGather BokehGatherRing(BokehGather before, BOKEH_TEXTURE MapSamp, int ring,
     float current = gather.inner + (outer - gather.inner) * outwards;
     float innerSquare = gather.inner * gather.inner;
     float area = outer * outer - innerSquare;
+    // the same of this pixel's disc, for samples behind its surface
+    float ownCovers = max(min(1.0 - innerSquare * gather.inverse, area * gather.inverse), 0.0);
     float phase = layers.jitter * clamp(current / float(ring) - 1.0, 0.0, 1.0);
     if (ring != 2)
     {
@@ -1342,9 +1343,10 @@ BokehGather BokehGatherRing(BokehGather before, BOKEH_TEXTURE MapSamp, int ring,
             float2 CoC = float2(float(pixel.a), float(other.a)) * full.size.y;
             float2 isBehind = clamp(CoC * 2.0 - 2.0 * gather.s, zero, one) * (1.0 -
                 gather.nearWeight);
-            float2 square = clamp(BokehSpreadSquare(CoC), gather.bounds.xx, gather.bounds.yy);
-            square += (gather.square - square) * isBehind;
-            float2 covers = cell * clamp(square - innerSquare, zero, float2(area, area)) / square;
+            float2 inverse = clamp(BokehSpreadInverse(CoC), gather.bounds.xx,
+                gather.bounds.yy);
+            float2 covers = max(min(1.0 - innerSquare * inverse, area * inverse), zero);
+            covers = cell * (covers + (ownCovers - covers) * isBehind);
             float2 inFar = covers * clamp(CoC * gather.slopes.y - 2.0, zero, one);
             covers = covers * (1.0 - clamp(CoC * -gather.slopes.x - 2.0, zero, one)) - inFar;
             gather.farFound += inFar.x + inFar.y;
@@ -1472,10 +1474,10 @@ float4 BokehComposite(BOKEH_TEXTURE MapSamp, BOKEH_TEXTURE GatherTilesSamp, BOKE
         float nearWeight = BokehLayerWeight(-s, gather.slopes.x);
         float farWeight = BokehLayerWeight(s, gather.slopes.y);
         gather.nearWeight = nearWeight;
-        gather.square = BokehSpreadSquare(float2(s, s)).x;
+        gather.inverse = BokehSpreadInverse(float2(s, s)).x;
         // the gather reaches as far as the CoC of pixels in neither layer
-        float restRadius = clamp(16.0 - 16.0 * farWeight, 0.0, 1.0) * (1.0 - nearWeight) *
-            sqrt(gather.square);
+        float restRadius = clamp(16.0 - 16.0 * farWeight, 0.0, 1.0) * (1.0 - nearWeight) /
+            sqrt(gather.inverse);
         float radius = max(max(restRadius, 0.01), 0.5 * max(tile.b, tile.a * farWeight));
         if (BOKEH_LAYER_RINGS == 0)
         {
@@ -1523,9 +1525,8 @@ float4 BokehComposite(BOKEH_TEXTURE MapSamp, BOKEH_TEXTURE GatherTilesSamp, BOKE
             gather.inner = radius;
         }
         // a disc smaller than the inner one reaches no other pixel
-        gather.bounds = float2(gather.inner * gather.inner, radius * radius);
-        gather.square = clamp(gather.square, gather.bounds.x, gather.bounds.y);
-        float weight = (1.0 - nearWeight) * gather.bounds.x / gather.square;
+        gather.bounds = 1.0 / float2(radius * radius, gather.inner * gather.inner);
+        float weight = (1.0 - nearWeight) * min(gather.inverse / gather.bounds.y, 1.0);
         // pixels of the far layer are replaced by that layer: a single one of them would be a
         // bright dot
         gather.farFound = weight * farWeight;

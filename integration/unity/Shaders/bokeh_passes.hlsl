@@ -633,7 +633,7 @@ float4 BokehTileMax_PS(BOKEH_INPUT) : BOKEH_OUTPUT
 float4 BokehTileDilate_PS(BOKEH_INPUT) : BOKEH_OUTPUT
 {
     float2 axis = float2(1.0 - BokehAxis, BokehAxis);
-    return BokehTileDilate(BokehColorSamp, axis, BokehBeginTiles(uv));
+    return BokehTileDilate(BokehColorSamp, axis, BokehBeginTiles(uv) BOKEH_LINEAR);
 }
 
 BokehTargets4 BokehPrefilter_PS(BOKEH_INPUT)
@@ -661,7 +661,7 @@ BokehTargets2 BokehLayerCoCReduce_PS(BOKEH_INPUT)
 BokehTargets2 BokehLayerCoCRows_PS(BOKEH_INPUT)
 {
     BokehTileSums targets = BokehLayerCoCRows(BokehColorSamp, BokehColorSampB, BokehColorSampC,
-        BokehBeginTiles(uv));
+        BokehBeginTiles(uv) BOKEH_LINEAR);
     BokehTargets2 result;
     result.target0 = targets.gatherCoC;
     result.target1 = targets.sums;
@@ -671,7 +671,7 @@ BokehTargets2 BokehLayerCoCRows_PS(BOKEH_INPUT)
 BokehTargets2 BokehLayerCoCColumns_PS(BOKEH_INPUT)
 {
     BokehLayerCoCTargets targets = BokehLayerCoCColumns(BokehColorSamp, BokehColorSampB,
-        BokehColorSampC, BokehBeginTiles(uv));
+        BokehColorSampC, BokehBeginTiles(uv) BOKEH_LINEAR);
     BokehTargets2 result;
     result.target0 = targets.gatherTiles;
     result.target1 = targets.layerCoC;
@@ -794,14 +794,14 @@ float4 BokehLayerCoCReduceOne_PS(BOKEH_INPUT) : BOKEH_OUTPUT
 float4 BokehLayerCoCRowsOne_PS(BOKEH_INPUT) : BOKEH_OUTPUT
 {
     BokehTileSums targets = BokehLayerCoCRows(BokehColorSamp, BokehColorSampB, BokehColorSampC,
-        BokehBeginTiles(uv));
+        BokehBeginTiles(uv) BOKEH_LINEAR);
     return BokehSelectTarget(targets.gatherCoC, targets.sums, targets.sums, targets.sums);
 }
 
 float4 BokehLayerCoCColumnsOne_PS(BOKEH_INPUT) : BOKEH_OUTPUT
 {
     BokehLayerCoCTargets targets = BokehLayerCoCColumns(BokehColorSamp, BokehColorSampB,
-        BokehColorSampC, BokehBeginTiles(uv));
+        BokehColorSampC, BokehBeginTiles(uv) BOKEH_LINEAR);
     return BokehSelectTarget(targets.gatherTiles, targets.layerCoC, targets.layerCoC,
         targets.layerCoC);
 }

@@ -515,7 +515,7 @@ return result;
 fn BokehExactFirst(MapSamp: texture_2d<f32>, uv: vec2f, last: i32, polygon: BokehPolygon,
 settings: BokehSamplingSettings, BokehLinearClamp: sampler) -> BokehTargets
 {
-let centerPixel: vec4f = BokehFetchTexel(MapSamp, BokehToTexture(uv));
+let centerPixel: vec4f = BokehFetch(MapSamp, uv, BokehLinearClamp);
 var rays: bool = false;
 if (last < 4)
 {
@@ -558,7 +558,7 @@ return BokehExactFirst(MapSamp, uv, 2, polygon, settings, BokehLinearClamp);
 fn BokehSquareSecond(Strip2Samp: texture_2d<f32>, uv: vec2f, polygon: BokehPolygon,
 settings: BokehSamplingSettings, BokehLinearClamp: sampler) -> vec4f
 {
-let pixel: vec4f = BokehFetchTexel(Strip2Samp, BokehToTexture(uv));
+let pixel: vec4f = BokehFetch(Strip2Samp, uv, BokehLinearClamp);
 let L2: BokehLine = BokehLineSum(Strip2Samp, uv, 2, polygon, true, false, pixel, settings,
 BokehLinearClamp);
 return BokehResolved(L2.sum, pixel);
@@ -571,7 +571,7 @@ return BokehExactFirst(MapSamp, uv, 3, polygon, settings, BokehLinearClamp);
 fn BokehHexagonSecond(Strip2Samp: texture_2d<f32>, Strip3Samp: texture_2d<f32>, uv: vec2f,
 polygon: BokehPolygon, settings: BokehSamplingSettings, BokehLinearClamp: sampler) -> vec4f
 {
-let pixel: vec4f = BokehFetchTexel(Strip2Samp, BokehToTexture(uv));
+let pixel: vec4f = BokehFetch(Strip2Samp, uv, BokehLinearClamp);
 let L2: BokehLine = BokehLineSum(Strip2Samp, uv, 2, polygon, true, true, pixel, settings,
 BokehLinearClamp);
 let L3: BokehLine = BokehLineSum(Strip3Samp, uv, 3, polygon, true, true, pixel, settings,
@@ -587,7 +587,7 @@ fn BokehOctagonSecond(Strip2Samp: texture_2d<f32>, Strip3Samp: texture_2d<f32>,
 Strip4Samp: texture_2d<f32>, uv: vec2f, polygon: BokehPolygon, settings: BokehSamplingSettings,
 BokehLinearClamp: sampler) -> vec4f
 {
-let pixel: vec4f = BokehFetchTexel(Strip2Samp, BokehToTexture(uv));
+let pixel: vec4f = BokehFetch(Strip2Samp, uv, BokehLinearClamp);
 let L2: BokehLine = BokehLineSum(Strip2Samp, uv, 2, polygon, true, false, pixel, settings,
 BokehLinearClamp);
 let L3: BokehLine = BokehLineSum(Strip3Samp, uv, 3, polygon, true, false, pixel, settings,
@@ -605,7 +605,7 @@ fn BokehDecagonSecond(Strip2Samp: texture_2d<f32>, Strip3Samp: texture_2d<f32>,
 Strip4Samp: texture_2d<f32>, Strip5Samp: texture_2d<f32>, uv: vec2f, polygon: BokehPolygon,
 settings: BokehSamplingSettings, BokehLinearClamp: sampler) -> vec4f
 {
-let pixel: vec4f = BokehFetchTexel(Strip2Samp, BokehToTexture(uv));
+let pixel: vec4f = BokehFetch(Strip2Samp, uv, BokehLinearClamp);
 let L2: BokehLine = BokehLineSum(Strip2Samp, uv, 2, polygon, true, false, pixel, settings,
 BokehLinearClamp);
 let L3: BokehLine = BokehLineSum(Strip3Samp, uv, 3, polygon, true, false, pixel, settings,
@@ -942,7 +942,8 @@ fn BokehReachTiles(layers: BokehLayerContext) -> f32
 {
 return min(ceil(layers.largest / 16.0) + 2.0, 127.0);
 }
-fn BokehTileDilate(TilesSamp: texture_2d<f32>, axis: vec2f, layers: BokehLayerContext) -> vec4f
+fn BokehTileDilate(TilesSamp: texture_2d<f32>, axis: vec2f, layers: BokehLayerContext,
+BokehLinearClamp: sampler) -> vec4f
 {
 let grid: BokehGrid = BokehReducedGrid(layers, 8.0);
 let radius: f32 = BokehReachTiles(layers);
@@ -955,8 +956,8 @@ if (tiles > radius)
 {
 break;
 }
-let tile: vec4f = BokehFetchGridTexel(TilesSamp, layers.uv * grid.size + axis * tiles,
-grid);
+let tile: vec4f = BokehFetchGrid(TilesSamp, layers.uv * grid.size + axis * tiles, grid,
+BokehLinearClamp);
 found = max(found, BokehReaching(tile.rg, abs(tiles)));
 logBrightness += tile.b;
 }
@@ -1128,10 +1129,12 @@ targets.sums = sums / f32(texels * texels);
 return targets;
 }
 fn BokehLayerCoCAlong(GatherCoCSamp: texture_2d<f32>, SumsSamp: texture_2d<f32>,
-DilatedTilesSamp: texture_2d<f32>, axis: vec2f, layers: BokehLayerContext) -> BokehTileSums
+DilatedTilesSamp: texture_2d<f32>, axis: vec2f, layers: BokehLayerContext,
+BokehLinearClamp: sampler) -> BokehTileSums
 {
 let grid: BokehGrid = BokehReducedGrid(layers, 8.0);
-let tile: vec2f = BokehFetchGridTexel(DilatedTilesSamp, layers.uv * grid.size, grid).rg;
+let tile: vec2f = BokehFetchGrid(DilatedTilesSamp, layers.uv * grid.size, grid,
+BokehLinearClamp).rg;
 let sigma: vec2f = max(tile * BOKEH_TUNED_COC_SIGMA, vec2f(0.6, 0.6));
 let radius: f32 = BokehReachTiles(layers);
 var sums: vec4f = vec4f(0.0, 0.0, 0.0, 0.0);
@@ -1146,10 +1149,10 @@ break;
 }
 let place: vec2f = layers.uv * grid.size + axis * tiles;
 let weight: vec2f = exp(-0.5 * tiles * tiles / (sigma * sigma));
-sums += BokehFetchGridTexel(SumsSamp, place, grid) * vec4f(weight.x, weight.x,
+sums += BokehFetchGrid(SumsSamp, place, grid, BokehLinearClamp) * vec4f(weight.x, weight.x,
 weight.y, weight.y);
-gatherCoC = max(gatherCoC, BokehReaching(BokehFetchGridTexel(GatherCoCSamp, place,
-grid).rg, abs(tiles)));
+gatherCoC = max(gatherCoC, BokehReaching(BokehFetchGrid(GatherCoCSamp, place, grid,
+BokehLinearClamp).rg, abs(tiles)));
 total += weight;
 }
 var targets: BokehTileSums;
@@ -1158,9 +1161,11 @@ targets.sums = sums / vec4f(total.x, total.x, total.y, total.y);
 return targets;
 }
 fn BokehLayerCoCRows(GatherCoCSamp: texture_2d<f32>, SumsSamp: texture_2d<f32>,
-DilatedTilesSamp: texture_2d<f32>, layers: BokehLayerContext) -> BokehTileSums
+DilatedTilesSamp: texture_2d<f32>, layers: BokehLayerContext,
+BokehLinearClamp: sampler) -> BokehTileSums
 {
-return BokehLayerCoCAlong(GatherCoCSamp, SumsSamp, DilatedTilesSamp, vec2f(1.0, 0.0), layers);
+return BokehLayerCoCAlong(GatherCoCSamp, SumsSamp, DilatedTilesSamp, vec2f(1.0, 0.0), layers,
+BokehLinearClamp);
 }
 struct BokehLayerCoCTargets
 {
@@ -1168,12 +1173,14 @@ gatherTiles: vec4f,
 layerCoC: vec4f,
 }
 fn BokehLayerCoCColumns(GatherCoCSamp: texture_2d<f32>, SumsSamp: texture_2d<f32>,
-DilatedTilesSamp: texture_2d<f32>, layers: BokehLayerContext) -> BokehLayerCoCTargets
+DilatedTilesSamp: texture_2d<f32>, layers: BokehLayerContext,
+BokehLinearClamp: sampler) -> BokehLayerCoCTargets
 {
 let grid: BokehGrid = BokehReducedGrid(layers, 8.0);
-let tile: vec2f = BokehFetchGridTexel(DilatedTilesSamp, layers.uv * grid.size, grid).rg;
+let tile: vec2f = BokehFetchGrid(DilatedTilesSamp, layers.uv * grid.size, grid,
+BokehLinearClamp).rg;
 let tileSums: BokehTileSums = BokehLayerCoCAlong(GatherCoCSamp, SumsSamp, DilatedTilesSamp,
-vec2f(0.0, 1.0), layers);
+vec2f(0.0, 1.0), layers, BokehLinearClamp);
 let sums: vec4f = tileSums.sums;
 var layerCoC: vec2f = vec2f(0.0, 0.0);
 if (sums.g > 0.0001 && tile.r > BOKEH_TUNED_NEAR_START)
@@ -1340,8 +1347,8 @@ let inverseBrightness: f32 = exp2(-tile.b);
 var corner: vec2f = BokehRotated(polygon.corner, polygon.axis);
 var direction: vec2f = BokehEdgeDirection(1, polygon);
 let turn: vec2f = BokehTurn(1.0, polygon);
-var midColor: vec4f = BokehFetchGridTexel(MidSamp, center, grid);
-var farColor: vec4f = BokehFetchGridTexel(FarSamp, center, grid);
+var midColor: vec4f = BokehFetchGrid(MidSamp, center, grid, BokehLinearClamp);
+var farColor: vec4f = BokehFetchGrid(FarSamp, center, grid, BokehLinearClamp);
 var weights: vec2f = BokehHoleWeights(midColor, farColor, inverseBrightness);
 for (var ring: i32 = 0; ring < 3; ring++)
 {
@@ -1468,7 +1475,7 @@ targets.strip5 = BokehLayerTarget(5, polygon, L1, L2, L3, L4);
 }
 else
 {
-targets.strip2 = BokehFetchGridTexel(LayerSamp, center, grid);
+targets.strip2 = BokehFetchGrid(LayerSamp, center, grid, BokehLinearClamp);
 targets.strip3 = targets.strip2;
 targets.strip4 = targets.strip2;
 targets.strip5 = targets.strip2;
@@ -1507,7 +1514,7 @@ result = result / polygon.area;
 }
 else
 {
-result = BokehFetchGridTexel(Strip2Samp, center, grid);
+result = BokehFetchGrid(Strip2Samp, center, grid, BokehLinearClamp);
 }
 return result;
 }
@@ -1584,10 +1591,10 @@ result = BokehFetchGrid(LayerSamp, place, grid, BokehLinearClamp);
 }
 return result;
 }
-fn BokehSpreadSquare(CoC: vec2f) -> vec2f
+fn BokehSpreadInverse(CoC: vec2f) -> vec2f
 {
-let square: vec2f = CoC * CoC * 0.25;
-return square * square / (square + BOKEH_TUNED_PIXEL_BLUR);
+let inverse: vec2f = 1.0 / max(CoC * CoC, vec2f(0.000001, 0.000001));
+return inverse * (inverse * (16.0 * BOKEH_TUNED_PIXEL_BLUR) + 4.0);
 }
 struct BokehRingLayout
 {
@@ -1608,7 +1615,7 @@ front: BokehHalf4,
 farFound: f32,
 center: vec2f,
 s: f32,
-square: f32,
+inverse: f32,
 nearWeight: f32,
 slopes: vec2f,
 snapping: f32,
@@ -1636,6 +1643,7 @@ let outwards: f32 = BOKEH_TUNED_RING_POSITION - BOKEH_TUNED_RING_STEP * f32(BOKE
 let current: f32 = gather.inner + (outer - gather.inner) * outwards;
 let innerSquare: f32 = gather.inner * gather.inner;
 let area: f32 = outer * outer - innerSquare;
+let ownCovers: f32 = max(min(1.0 - innerSquare * gather.inverse, area * gather.inverse), 0.0);
 var phase: f32 = layers.jitter * clamp(current / f32(ring) - 1.0, 0.0, 1.0);
 if (ring != 2)
 {
@@ -1665,10 +1673,10 @@ full, BokehLinearClamp));
 let CoC: vec2f = vec2f(f32(pixel.a), f32(other.a)) * full.size.y;
 let isBehind: vec2f = clamp(CoC * 2.0 - 2.0 * gather.s, zero, one) * (1.0 -
 gather.nearWeight);
-var square: vec2f = clamp(BokehSpreadSquare(CoC), gather.bounds.xx, gather.bounds.yy);
-square += (gather.square - square) * isBehind;
-var covers: vec2f = cell * clamp(square - innerSquare, zero, vec2f(area, area)) /
-square;
+let inverse: vec2f = clamp(BokehSpreadInverse(CoC), gather.bounds.xx,
+gather.bounds.yy);
+var covers: vec2f = max(min(1.0 - innerSquare * inverse, area * inverse), zero);
+covers = cell * (covers + (ownCovers - covers) * isBehind);
 let inFar: vec2f = covers * clamp(CoC * gather.slopes.y - 2.0, zero, one);
 covers = covers * (1.0 - clamp(CoC * -gather.slopes.x - 2.0, zero, one)) - inFar;
 gather.farFound += inFar.x + inFar.y;
@@ -1760,9 +1768,9 @@ gather.slopes = vec2f(BokehNearSlope(tile.r), BokehFarSlope(tile.g));
 let nearWeight: f32 = BokehLayerWeight(-s, gather.slopes.x);
 let farWeight: f32 = BokehLayerWeight(s, gather.slopes.y);
 gather.nearWeight = nearWeight;
-gather.square = BokehSpreadSquare(vec2f(s, s)).x;
-let restRadius: f32 = clamp(16.0 - 16.0 * farWeight, 0.0, 1.0) * (1.0 - nearWeight) *
-sqrt(gather.square);
+gather.inverse = BokehSpreadInverse(vec2f(s, s)).x;
+let restRadius: f32 = clamp(16.0 - 16.0 * farWeight, 0.0, 1.0) * (1.0 - nearWeight) /
+sqrt(gather.inverse);
 var radius: f32 = max(max(restRadius, 0.01), 0.5 * max(tile.b, tile.a * farWeight));
 if (BOKEH_LAYER_RINGS == 0)
 {
@@ -1798,9 +1806,8 @@ if (radius < 0.5)
 {
 gather.inner = radius;
 }
-gather.bounds = vec2f(gather.inner * gather.inner, radius * radius);
-gather.square = clamp(gather.square, gather.bounds.x, gather.bounds.y);
-let weight: f32 = (1.0 - nearWeight) * gather.bounds.x / gather.square;
+gather.bounds = 1.0 / vec2f(radius * radius, gather.inner * gather.inner);
+let weight: f32 = (1.0 - nearWeight) * min(gather.inverse / gather.bounds.y, 1.0);
 gather.farFound = weight * farWeight;
 gather.sum = BokehHalf4(vec4f(BokehHalfTexel(vec4f(centerPixel.rgb, 1.0))) *
 (weight - gather.farFound));
@@ -2474,7 +2481,7 @@ return BokehTileMax(BokehColorSamp, BokehBeginTiles(input.uv));
 @fragment fn BokehTileDilate_PS(input: BokehVertex) -> @location(0) vec4f
 {
 let axis: vec2f = vec2f(1.0 - bokehParameters.BokehAxis, bokehParameters.BokehAxis);
-return BokehTileDilate(BokehColorSamp, axis, BokehBeginTiles(input.uv));
+return BokehTileDilate(BokehColorSamp, axis, BokehBeginTiles(input.uv), BokehLinearClamp);
 }
 @fragment fn BokehPrefilter_PS(input: BokehVertex) -> BokehTargets4
 {
@@ -2492,13 +2499,13 @@ return BokehTargets2(targets.gatherCoC, targets.sums);
 @fragment fn BokehLayerCoCRows_PS(input: BokehVertex) -> BokehTargets2
 {
 let targets: BokehTileSums = BokehLayerCoCRows(BokehColorSamp, BokehColorSampB, BokehColorSampC,
-BokehBeginTiles(input.uv));
+BokehBeginTiles(input.uv), BokehLinearClamp);
 return BokehTargets2(targets.gatherCoC, targets.sums);
 }
 @fragment fn BokehLayerCoCColumns_PS(input: BokehVertex) -> BokehTargets2
 {
 let targets: BokehLayerCoCTargets = BokehLayerCoCColumns(BokehColorSamp, BokehColorSampB,
-BokehColorSampC, BokehBeginTiles(input.uv));
+BokehColorSampC, BokehBeginTiles(input.uv), BokehLinearClamp);
 return BokehTargets2(targets.gatherTiles, targets.layerCoC);
 }
 @fragment fn BokehDownsample_PS(input: BokehVertex) -> BokehTargets4
@@ -2576,13 +2583,13 @@ return BokehSelectTarget(targets.gatherCoC, targets.sums, targets.sums, targets.
 @fragment fn BokehLayerCoCRowsOne_PS(input: BokehVertex) -> @location(0) vec4f
 {
 let targets: BokehTileSums = BokehLayerCoCRows(BokehColorSamp, BokehColorSampB, BokehColorSampC,
-BokehBeginTiles(input.uv));
+BokehBeginTiles(input.uv), BokehLinearClamp);
 return BokehSelectTarget(targets.gatherCoC, targets.sums, targets.sums, targets.sums);
 }
 @fragment fn BokehLayerCoCColumnsOne_PS(input: BokehVertex) -> @location(0) vec4f
 {
 let targets: BokehLayerCoCTargets = BokehLayerCoCColumns(BokehColorSamp, BokehColorSampB,
-BokehColorSampC, BokehBeginTiles(input.uv));
+BokehColorSampC, BokehBeginTiles(input.uv), BokehLinearClamp);
 return BokehSelectTarget(targets.gatherTiles, targets.layerCoC, targets.layerCoC,
 targets.layerCoC);
 }

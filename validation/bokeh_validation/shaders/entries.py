@@ -132,5 +132,5 @@ ENTRIES = {entry.name: entry for entry in _ALL}
 COUNTED = (LINE, GRID, TABLE)
 COPYING_ENTRIES = tuple(entry.name for entry in _ALL if entry.role == COPY)
 # Entries that fetch all their textures texel by texel, so that the filter does not matter
-_TILES = ("BokehTileMax", "BokehTileDilate", "BokehLayerCoCReduce", "BokehLayerCoCRows", "BokehLayerCoCColumns")
+_TILES = ("BokehTileMax", "BokehLayerCoCReduce")
 TEXEL_ENTRIES = COPYING_ENTRIES + tuple(entry.name for entry in _ALL if (entry.whole or entry.name) in _TILES)
