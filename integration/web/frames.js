@@ -89,11 +89,13 @@ export function stored([, , call, returned], output, sampler) {
   return `${sampler === undefined ? type : 'let'} targets = ${text}; ${stores.join(' ')}`;
 }
 
+// Passes that fetch single texels
+const UNFILTERED = /^Bokeh(TileMax|LayerCoCReduce)\(/;
+const FILTERED = /\b(layers|settings|settings, true|lateral|BokehFetch\(\w+, uv)\)/g;
+
 // A call in WGSL: the sampler is the last argument of what filters, and vectors have other names.
 export const inWgsl = (call, sampler) =>
-  call
-    .replace(/\b(layers|settings|settings, true|lateral|BokehFetch\(\w+, uv)\)/g, `$1, ${sampler})`)
-    .replace(/\bvec([234])\(/g, 'vec$1f(');
+  (UNFILTERED.test(call) ? call : call.replace(FILTERED, `$1, ${sampler})`)).replace(/\bvec([234])\(/g, 'vec$1f(');
 
 // What `#define BOKEH_PRESET_HIGH` stands for in WGSL: constants of the library, for engines that hand no pipeline
 // constants on
