@@ -71,7 +71,6 @@ precision highp sampler2D;
 #define BOKEH_DEPTH_MULTISAMPLED 0
 #endif
 #ifndef BOKEH_CUSTOM_FETCH
-#define BOKEH_TEXTURE sampler2D
 #if BOKEH_DEPTH_MULTISAMPLED > 0
 #define BOKEH_DEPTH_TEXTURE sampler2DMS
 #define BOKEH_DEPTH_SIZE(tex) textureSize(tex)
@@ -79,9 +78,9 @@ precision highp sampler2D;
 #define BOKEH_DEPTH_TEXTURE sampler2D
 #define BOKEH_DEPTH_SIZE(tex) textureSize(tex, 0)
 #endif
-vec4 BokehFetchTexture(BOKEH_TEXTURE tex,vec2 coords){
+vec4 BokehFetchTexture(sampler2D tex,vec2 coords){
 return textureLod(tex,coords,0.);}
-vec4 BokehFetchTexel(BOKEH_TEXTURE tex,vec2 coords){
+vec4 BokehFetchTexel(sampler2D tex,vec2 coords){
 ivec2 size=textureSize(tex,0);
 ivec2 texel=ivec2(clamp(coords,0.,1.)*vec2(size));
 return texelFetch(tex,min(texel,size-ivec2(1,1)),0);}
@@ -103,7 +102,7 @@ vec2 coords=uv;
 if(BOKEH_VIEWPORT>0){
 coords=clamp(BokehViewport.xy+uv*BokehViewport.zw,BokehViewportBounds.xy,BokehViewportBounds.zw);}
 return coords;}
-vec4 BokehFetch(BOKEH_TEXTURE tex,vec2 uv){
+vec4 BokehFetch(sampler2D tex,vec2 uv){
 return BokehFetchTexture(tex,BokehToTexture(uv));}
 struct BokehLens{
 float apertureDiameter;
@@ -186,7 +185,7 @@ float rim=clamp((brightness*overDarkest-1.3) /
 (1.5-1.3),0.,1.)*clamp(10.*ratio-10.,0.,1.);
 float light=clamp(brightest.z*overDarkest/64.-1.,0.,1.);
 return vec4(brightest.xy,dark,rim+rim*light);}
-vec4 BokehBrightNeighbor(BOKEH_TEXTURE ColorSamp,vec2 uv,vec2 imageSize){
+vec4 BokehBrightNeighbor(sampler2D ColorSamp,vec2 uv,vec2 imageSize){
 vec2 pixel=1./max(imageSize,vec2(1.));
 vec2 right=vec2(pixel.x,0.);
 vec2 below=vec2(0.,pixel.y);
@@ -201,7 +200,7 @@ float weight=max(dark,max(rim,bright));
 if(lightCoC<0.&&CoC>0.){
 weight=floor(weight+.5);}
 return CoC+(min(lightCoC,CoC)-CoC)*weight;}
-vec4 BokehSignedCoCMap(BOKEH_TEXTURE ColorSamp,BOKEH_DEPTH_TEXTURE DepthSamp,vec2 uv,vec2 depthUV,vec2 imageSize,BokehLens lens,int kind,vec2 planes){
+vec4 BokehSignedCoCMap(sampler2D ColorSamp,BOKEH_DEPTH_TEXTURE DepthSamp,vec2 uv,vec2 depthUV,vec2 imageSize,BokehLens lens,int kind,vec2 planes){
 float depth=BokehLinearDepth(BokehFetchDepth(DepthSamp,depthUV),kind,planes.x,planes.y);
 float CoC=BokehSignedCoC(depth,lens);
 vec4 neighbor=BokehBrightNeighbor(ColorSamp,uv,imageSize);
@@ -332,7 +331,7 @@ struct BokehLine{
 vec4 sum;
 float reached;
 };
-BokehLine BokehLineSum(BOKEH_TEXTURE tex,vec2 uv,int k,BokehPolygon polygon,bool secondPass,bool rays,vec4 centerPixel,BokehSamplingSettings settings){
+BokehLine BokehLineSum(sampler2D tex,vec2 uv,int k,BokehPolygon polygon,bool secondPass,bool rays,vec4 centerPixel,BokehSamplingSettings settings){
 vec4 sum=vec4(0.);
 float reached=0.;
 float centerCoC=centerPixel.a;
@@ -387,7 +386,7 @@ if(rays&&centerPixel.a>0.&&gathered>0.){
 float reached=dot(vec4(L1.reached,L2.reached,L3.reached,L4.reached),weights);
 result=vec4(result.rgb,result.a*min(reached/gathered*1.001,1.));}
 return result;}
-BokehTargets BokehExactFirst(BOKEH_TEXTURE MapSamp,vec2 uv,int last,BokehPolygon polygon,BokehSamplingSettings settings){
+BokehTargets BokehExactFirst(sampler2D MapSamp,vec2 uv,int last,BokehPolygon polygon,BokehSamplingSettings settings){
 vec4 centerPixel=BokehFetch(MapSamp,uv);
 bool rays=false;
 if(last<4){
@@ -410,30 +409,30 @@ targets.strip3=BokehExactTarget(3,polygon,rays,L1,L2,L3,L4,centerPixel);
 targets.strip4=BokehExactTarget(4,polygon,rays,L1,L2,L3,L4,centerPixel);
 targets.strip5=BokehExactTarget(5,polygon,rays,L1,L2,L3,L4,centerPixel);
 return targets;}
-BokehTargets BokehSquareFirst(BOKEH_TEXTURE MapSamp,vec2 uv,BokehPolygon polygon,BokehSamplingSettings settings){
+BokehTargets BokehSquareFirst(sampler2D MapSamp,vec2 uv,BokehPolygon polygon,BokehSamplingSettings settings){
 return BokehExactFirst(MapSamp,uv,2,polygon,settings);}
-vec4 BokehSquareSecond(BOKEH_TEXTURE Strip2Samp,vec2 uv,BokehPolygon polygon,BokehSamplingSettings settings){
+vec4 BokehSquareSecond(sampler2D Strip2Samp,vec2 uv,BokehPolygon polygon,BokehSamplingSettings settings){
 vec4 pixel=BokehFetch(Strip2Samp,uv);
 BokehLine L2=BokehLineSum(Strip2Samp,uv,2,polygon,true,false,pixel,settings);
 return BokehResolved(L2.sum,pixel);}
-BokehTargets BokehHexagonFirst(BOKEH_TEXTURE MapSamp,vec2 uv,BokehPolygon polygon,BokehSamplingSettings settings){
+BokehTargets BokehHexagonFirst(sampler2D MapSamp,vec2 uv,BokehPolygon polygon,BokehSamplingSettings settings){
 return BokehExactFirst(MapSamp,uv,3,polygon,settings);}
-vec4 BokehHexagonSecond(BOKEH_TEXTURE Strip2Samp,BOKEH_TEXTURE Strip3Samp,vec2 uv,BokehPolygon polygon,BokehSamplingSettings settings){
+vec4 BokehHexagonSecond(sampler2D Strip2Samp,sampler2D Strip3Samp,vec2 uv,BokehPolygon polygon,BokehSamplingSettings settings){
 vec4 pixel=BokehFetch(Strip2Samp,uv);
 BokehLine L2=BokehLineSum(Strip2Samp,uv,2,polygon,true,true,pixel,settings);
 BokehLine L3=BokehLineSum(Strip3Samp,uv,3,polygon,true,true,pixel,settings);
 return BokehResolved(L2.sum+L3.sum,pixel);}
-BokehTargets BokehOctagonFirst(BOKEH_TEXTURE MapSamp,vec2 uv,BokehPolygon polygon,BokehSamplingSettings settings){
+BokehTargets BokehOctagonFirst(sampler2D MapSamp,vec2 uv,BokehPolygon polygon,BokehSamplingSettings settings){
 return BokehExactFirst(MapSamp,uv,4,polygon,settings);}
-vec4 BokehOctagonSecond(BOKEH_TEXTURE Strip2Samp,BOKEH_TEXTURE Strip3Samp,BOKEH_TEXTURE Strip4Samp,vec2 uv,BokehPolygon polygon,BokehSamplingSettings settings){
+vec4 BokehOctagonSecond(sampler2D Strip2Samp,sampler2D Strip3Samp,sampler2D Strip4Samp,vec2 uv,BokehPolygon polygon,BokehSamplingSettings settings){
 vec4 pixel=BokehFetch(Strip2Samp,uv);
 BokehLine L2=BokehLineSum(Strip2Samp,uv,2,polygon,true,false,pixel,settings);
 BokehLine L3=BokehLineSum(Strip3Samp,uv,3,polygon,true,false,pixel,settings);
 BokehLine L4=BokehLineSum(Strip4Samp,uv,4,polygon,true,false,pixel,settings);
 return BokehResolved(L2.sum+L3.sum+L4.sum,pixel);}
-BokehTargets BokehDecagonFirst(BOKEH_TEXTURE MapSamp,vec2 uv,BokehPolygon polygon,BokehSamplingSettings settings){
+BokehTargets BokehDecagonFirst(sampler2D MapSamp,vec2 uv,BokehPolygon polygon,BokehSamplingSettings settings){
 return BokehExactFirst(MapSamp,uv,5,polygon,settings);}
-vec4 BokehDecagonSecond(BOKEH_TEXTURE Strip2Samp,BOKEH_TEXTURE Strip3Samp,BOKEH_TEXTURE Strip4Samp,BOKEH_TEXTURE Strip5Samp,vec2 uv,BokehPolygon polygon,BokehSamplingSettings settings){
+vec4 BokehDecagonSecond(sampler2D Strip2Samp,sampler2D Strip3Samp,sampler2D Strip4Samp,sampler2D Strip5Samp,vec2 uv,BokehPolygon polygon,BokehSamplingSettings settings){
 vec4 pixel=BokehFetch(Strip2Samp,uv);
 BokehLine L2=BokehLineSum(Strip2Samp,uv,2,polygon,true,false,pixel,settings);
 BokehLine L3=BokehLineSum(Strip3Samp,uv,3,polygon,true,false,pixel,settings);
@@ -454,7 +453,7 @@ return BokehResolved(L2.sum+L3.sum+L4.sum+L5.sum,pixel);}
 #endif
 float BokehPaperDepth(BOKEH_DEPTH_TEXTURE DepthSamp,vec2 uv){
 return BokehSanitize(BokehFetchDepth(DepthSamp,BokehToTexture(uv)).x,BOKEH_MIN_DEPTH,BOKEH_MAX_DEPTH);}
-vec4 BokehCoCMap(BOKEH_TEXTURE ColorSamp,BOKEH_DEPTH_TEXTURE DepthSamp,vec2 uv,BokehLens lens){
+vec4 BokehCoCMap(sampler2D ColorSamp,BOKEH_DEPTH_TEXTURE DepthSamp,vec2 uv,BokehLens lens){
 return BokehPackCoC(BokehFetchTexel(ColorSamp,BokehToTexture(uv)),abs(BokehSignedCoC(BokehPaperDepth(DepthSamp,uv),lens)));}
 vec2 BokehLineEnd(float angle,float aspectRatio){
 return vec2(.5*cos(angle)/aspectRatio,.5*sin(angle));}
@@ -477,7 +476,7 @@ result=color/totalWeight;}
 if(!blurCoC){
 result=vec4(result.rgb,centerPixel.a);}
 return result;}
-vec4 BokehDepthOfField(BOKEH_TEXTURE ColorSamp,BOKEH_DEPTH_TEXTURE DepthSamp,vec2 uv,vec2 lineEnd,BokehSamplingSettings settings,bool blurCoC){
+vec4 BokehDepthOfField(sampler2D ColorSamp,BOKEH_DEPTH_TEXTURE DepthSamp,vec2 uv,vec2 lineEnd,BokehSamplingSettings settings,bool blurCoC){
 vec4 centerPixel=BokehFetch(ColorSamp,uv);
 float centerDepth=BokehPaperDepth(DepthSamp,uv);
 vec4 color=vec4(0.);
@@ -491,7 +490,7 @@ float weight=BokehLeakageWeight(sampleDepth,samplePixel.a,centerDepth,centerPixe
 color+=samplePixel*weight;
 totalWeight+=weight;}
 return BokehResolve(color,totalWeight,centerPixel,blurCoC);}
-vec4 BokehDepthOfFieldAdaptive(BOKEH_TEXTURE ColorSamp,BOKEH_DEPTH_TEXTURE DepthSamp,vec2 uv,vec4 segment,BokehSamplingSettings settings,bool blurCoC){
+vec4 BokehDepthOfFieldAdaptive(sampler2D ColorSamp,BOKEH_DEPTH_TEXTURE DepthSamp,vec2 uv,vec4 segment,BokehSamplingSettings settings,bool blurCoC){
 vec4 centerPixel=BokehFetch(ColorSamp,uv);
 vec4 result=centerPixel;
 float CoC=BokehFilterCoC(centerPixel.a,settings.imageHeight);
@@ -522,10 +521,10 @@ vec4 result=min(a,b);
 if(useMax){
 result=max(a,b);}
 return result;}
-vec4 BokehDepthOfFieldFinal(BOKEH_TEXTURE ColorSamp,BOKEH_DEPTH_TEXTURE DepthSamp,BOKEH_TEXTURE CompareSamp,vec2 uv,vec2 lineEnd,BokehSamplingSettings settings,bool blurCoC,bool useMax){
+vec4 BokehDepthOfFieldFinal(sampler2D ColorSamp,BOKEH_DEPTH_TEXTURE DepthSamp,sampler2D CompareSamp,vec2 uv,vec2 lineEnd,BokehSamplingSettings settings,bool blurCoC,bool useMax){
 vec4 a=BokehDepthOfField(ColorSamp,DepthSamp,uv,lineEnd,settings,blurCoC);
 return BokehCombine(a,BokehFetch(CompareSamp,uv),useMax);}
-vec4 BokehNaiveGather(BOKEH_TEXTURE ColorSamp,BOKEH_DEPTH_TEXTURE DepthSamp,BOKEH_TEXTURE KernelSamp,vec2 uv,BokehSamplingSettings settings,bool blurCoC){
+vec4 BokehNaiveGather(sampler2D ColorSamp,BOKEH_DEPTH_TEXTURE DepthSamp,sampler2D KernelSamp,vec2 uv,BokehSamplingSettings settings,bool blurCoC){
 vec4 centerPixel=BokehFetch(ColorSamp,uv);
 float centerDepth=BokehPaperDepth(DepthSamp,uv);
 vec2 scale=vec2(centerPixel.a/settings.aspectRatio,centerPixel.a);
@@ -541,7 +540,7 @@ float weight=BokehLeakageWeight(sampleDepth,samplePixel.a,centerDepth,centerPixe
 color+=samplePixel*weight;
 totalWeight+=weight;}
 return BokehResolve(color,totalWeight,centerPixel,blurCoC);}
-vec4 BokehNaiveGrid(BOKEH_TEXTURE ColorSamp,BOKEH_DEPTH_TEXTURE DepthSamp,vec2 uv,vec2 lineEndU,vec2 lineEndV,BokehSamplingSettings settings,bool blurCoC){
+vec4 BokehNaiveGrid(sampler2D ColorSamp,BOKEH_DEPTH_TEXTURE DepthSamp,vec2 uv,vec2 lineEndU,vec2 lineEndV,BokehSamplingSettings settings,bool blurCoC){
 vec4 centerPixel=BokehFetch(ColorSamp,uv);
 float centerDepth=BokehPaperDepth(DepthSamp,uv);
 vec4 color=vec4(0.);
@@ -658,11 +657,11 @@ if(BOKEH_VIEWPORT>0){
 vec2 inset=min(vec2(.5078125),grid.size*.5);
 coords=grid.origin+clamp(place,inset,grid.size-inset);}
 return coords*grid.texel;}
-vec4 BokehFetchGrid(BOKEH_TEXTURE tex,vec2 place,BokehGrid grid){
+vec4 BokehFetchGrid(sampler2D tex,vec2 place,BokehGrid grid){
 return BokehFetchTexture(tex,BokehGridCoords(place,grid));}
-vec4 BokehFetchGridTexel(BOKEH_TEXTURE tex,vec2 place,BokehGrid grid){
+vec4 BokehFetchGridTexel(sampler2D tex,vec2 place,BokehGrid grid){
 return BokehFetchTexel(tex,BokehGridCoords(place,grid));}
-vec4 BokehFetchAround(BOKEH_TEXTURE tex,vec2 center,vec2 offset,BokehGrid grid){
+vec4 BokehFetchAround(sampler2D tex,vec2 center,vec2 offset,BokehGrid grid){
 vec2 coords=(center+offset)/grid.size;
 if(BOKEH_VIEWPORT>0){
 coords=BokehGridCoords(center+offset,grid);}
@@ -678,7 +677,7 @@ float BokehFarSlope(float largest){
 return BokehLayerSlope(largest,10.,16.);}
 float BokehLayerWeight(float CoC,float slope){
 return clamp(CoC*slope-2.,0.,1.);}
-vec4 BokehTileMax(BOKEH_TEXTURE MapSamp,BokehLayerContext layers){
+vec4 BokehTileMax(sampler2D MapSamp,BokehLayerContext layers){
 vec2 first=floor(layers.uv*ceil(layers.size/8.))*8.+vec2(.5);
 vec3 found=vec3(0.);
 for(int y=0;y<8;y++){
@@ -694,7 +693,7 @@ vec2 weight=CoC/16.+1.-max(tiles-2.,0.);
 return CoC*clamp(weight,vec2(0.),vec2(1.));}
 float BokehReachTiles(BokehLayerContext layers){
 return min(ceil(layers.largest/16.)+2.,127.);}
-vec4 BokehTileDilate(BOKEH_TEXTURE TilesSamp,vec2 axis,BokehLayerContext layers){
+vec4 BokehTileDilate(sampler2D TilesSamp,vec2 axis,BokehLayerContext layers){
 BokehGrid grid=BokehReducedGrid(layers,8.);
 float radius=BokehReachTiles(layers);
 vec2 found=vec2(0.);
@@ -732,7 +731,7 @@ result=vec4(min(pixel.rgb,around.rgb),nearWeight);
 if(brightest>limit){
 result=vec4(result.rgb,nearWeight*(around.a-brightest)/(around.a-limit));}}
 return result;}
-BokehPrefiltered BokehPrefilterBlock(BOKEH_TEXTURE MapSamp,vec2 middle,vec4 tile,BokehLayerContext layers){
+BokehPrefiltered BokehPrefilterBlock(sampler2D MapSamp,vec2 middle,vec4 tile,BokehLayerContext layers){
 BokehGrid full=BokehFullGrid(layers);
 float nearSlope=BokehNearSlope(tile.r);
 float farSlope=BokehFarSlope(tile.g);
@@ -780,7 +779,7 @@ float maxValue=BOKEH_MAX_COLOR;
 targets.layerCoCSums=min(sums*.25,vec4(maxValue,maxValue,maxValue,maxValue));
 targets.gatherCoC=vec4(clamp(gatherCoC,vec2(0.),vec2(maxValue,maxValue)),0.,1.);
 return targets;}
-BokehPrefiltered BokehPrefilter(BOKEH_TEXTURE MapSamp,BOKEH_TEXTURE DilatedTilesSamp,BokehLayerContext layers){
+BokehPrefiltered BokehPrefilter(sampler2D MapSamp,sampler2D DilatedTilesSamp,BokehLayerContext layers){
 BokehGrid grid=BokehLayerGrid(layers);
 vec2 center=(floor(layers.uv*grid.size)+.5)*float(BOKEH_LAYER_SCALE);
 vec4 tile=BokehFetchGrid(DilatedTilesSamp,center/8.,BokehReducedGrid(layers,8.));
@@ -803,7 +802,7 @@ struct BokehTileSums{
 vec4 gatherCoC;
 vec4 sums;
 };
-BokehTileSums BokehLayerCoCReduce(BOKEH_TEXTURE SumsSamp,BOKEH_TEXTURE GatherCoCSamp,BokehLayerContext layers){
+BokehTileSums BokehLayerCoCReduce(sampler2D SumsSamp,sampler2D GatherCoCSamp,BokehLayerContext layers){
 BokehGrid grid=BokehLayerGrid(layers);
 int texels=8/BOKEH_LAYER_SCALE;
 vec2 first=floor(layers.uv*ceil(layers.size/8.))*float(texels)+vec2(.5);
@@ -818,7 +817,7 @@ BokehTileSums targets;
 targets.gatherCoC=vec4(gatherCoC,0.,1.);
 targets.sums=sums/float(texels*texels);
 return targets;}
-BokehTileSums BokehLayerCoCAlong(BOKEH_TEXTURE GatherCoCSamp,BOKEH_TEXTURE SumsSamp,BOKEH_TEXTURE DilatedTilesSamp,vec2 axis,BokehLayerContext layers){
+BokehTileSums BokehLayerCoCAlong(sampler2D GatherCoCSamp,sampler2D SumsSamp,sampler2D DilatedTilesSamp,vec2 axis,BokehLayerContext layers){
 BokehGrid grid=BokehReducedGrid(layers,8.);
 vec2 tile=BokehFetchGrid(DilatedTilesSamp,layers.uv*grid.size,grid).rg;
 vec2 sigma=max(tile*.0375,vec2(.6));
@@ -839,13 +838,13 @@ BokehTileSums targets;
 targets.gatherCoC=vec4(gatherCoC,0.,1.);
 targets.sums=sums/vec4(total.x,total.x,total.y,total.y);
 return targets;}
-BokehTileSums BokehLayerCoCRows(BOKEH_TEXTURE GatherCoCSamp,BOKEH_TEXTURE SumsSamp,BOKEH_TEXTURE DilatedTilesSamp,BokehLayerContext layers){
+BokehTileSums BokehLayerCoCRows(sampler2D GatherCoCSamp,sampler2D SumsSamp,sampler2D DilatedTilesSamp,BokehLayerContext layers){
 return BokehLayerCoCAlong(GatherCoCSamp,SumsSamp,DilatedTilesSamp,vec2(1.,0.),layers);}
 struct BokehLayerCoCTargets{
 vec4 gatherTiles;
 vec4 layerCoC;
 };
-BokehLayerCoCTargets BokehLayerCoCColumns(BOKEH_TEXTURE GatherCoCSamp,BOKEH_TEXTURE SumsSamp,BOKEH_TEXTURE DilatedTilesSamp,BokehLayerContext layers){
+BokehLayerCoCTargets BokehLayerCoCColumns(sampler2D GatherCoCSamp,sampler2D SumsSamp,sampler2D DilatedTilesSamp,BokehLayerContext layers){
 BokehGrid grid=BokehReducedGrid(layers,8.);
 vec2 tile=BokehFetchGrid(DilatedTilesSamp,layers.uv*grid.size,grid).rg;
 BokehTileSums tileSums=BokehLayerCoCAlong(GatherCoCSamp,SumsSamp,DilatedTilesSamp,vec2(0.,1.),layers);
@@ -859,7 +858,7 @@ BokehLayerCoCTargets targets;
 targets.gatherTiles=vec4(tile,tileSums.gatherCoC.rg);
 targets.layerCoC=vec4(layerCoC,0.,1.);
 return targets;}
-vec2 BokehLayerCoC(BOKEH_TEXTURE LayerCoCSamp,BokehLayerContext layers){
+vec2 BokehLayerCoC(sampler2D LayerCoCSamp,BokehLayerContext layers){
 BokehGrid grid=BokehLayerGrid(layers);
 vec2 place=layers.uv*grid.size*(float(BOKEH_LAYER_SCALE)/8.);
 return BokehFetchGrid(LayerCoCSamp,place,BokehReducedGrid(layers,8.)).rg;}
@@ -891,7 +890,7 @@ selfBlur+=14.+154.*blur.sideTap/(1.+2.*blur.sideTap);}
 blur.CoC=sqrt(max(CoC*CoC-selfBlur,.25));
 blur.spacing=max(spacing,1.);
 return blur;}
-vec4 BokehQuarterLayer(BOKEH_TEXTURE LayerSamp,vec2 center,float side,BokehLayerContext layers){
+vec4 BokehQuarterLayer(sampler2D LayerSamp,vec2 center,float side,BokehLayerContext layers){
 BokehGrid grid=BokehLayerGrid(layers);
 vec4 sum=vec4(0.);
 if(side>0.){
@@ -910,7 +909,7 @@ vec4 farWithHoles;
 vec4 nearQuarter;
 vec4 farQuarter;
 };
-BokehDownsampled BokehDownsample(BOKEH_TEXTURE MapSamp,BOKEH_TEXTURE DilatedTilesSamp,BOKEH_TEXTURE NearSamp,BOKEH_TEXTURE FarSamp,BOKEH_TEXTURE LayerCoCSamp,BokehPolygon polygon,BokehLayerContext layers){
+BokehDownsampled BokehDownsample(sampler2D MapSamp,sampler2D DilatedTilesSamp,sampler2D NearSamp,sampler2D FarSamp,sampler2D LayerCoCSamp,BokehPolygon polygon,BokehLayerContext layers){
 BokehGrid full=BokehFullGrid(layers);
 vec2 first=floor(layers.uv*ceil(layers.size/4.))*4.+vec2(.5);
 vec2 middlePlace=first+vec2(1.5);
@@ -952,7 +951,7 @@ struct BokehFilled{
 vec4 midFill;
 vec4 farFill;
 };
-BokehFilled BokehHoleFill(BOKEH_TEXTURE MidSamp,BOKEH_TEXTURE FarSamp,BOKEH_TEXTURE DilatedTilesSamp,BokehPolygon polygon,BokehLayerContext layers){
+BokehFilled BokehHoleFill(sampler2D MidSamp,sampler2D FarSamp,sampler2D DilatedTilesSamp,BokehPolygon polygon,BokehLayerContext layers){
 BokehGrid grid=BokehReducedGrid(layers,4.);
 vec2 center=layers.uv*grid.size;
 vec4 tile=BokehFetchGrid(DilatedTilesSamp,center/2.,BokehReducedGrid(layers,8.));
@@ -992,7 +991,7 @@ targets.midFill=vec4(midColor.rgb/midColor.a,midWeight);}
 if(farColor.a>.000001){
 targets.farFill=vec4(farColor.rgb/farColor.a,1.);}
 return targets;}
-vec4 BokehLayerLine(BOKEH_TEXTURE tex,BOKEH_TEXTURE QuarterSamp,int k,BokehPolygon polygon,bool secondPass,BokehBlur blur,BokehLayerContext layers){
+vec4 BokehLayerLine(sampler2D tex,sampler2D QuarterSamp,int k,BokehPolygon polygon,bool secondPass,BokehBlur blur,BokehLayerContext layers){
 float scale=float(BOKEH_LAYER_SCALE);
 if(blur.useQuarterLayer){
 scale=4.;}
@@ -1020,7 +1019,7 @@ return sum;}
 vec4 BokehLayerTarget(int k,BokehPolygon polygon,vec4 L1,vec4 L2,vec4 L3,vec4 L4){
 vec4 w=BokehEdgeWeights(k,polygon);
 return (L1*w.x+L2*w.y+L3*w.z+L4*w.w)/(w.x+w.y+w.z+w.w);}
-BokehTargets BokehLayerFirst(BOKEH_TEXTURE LayerSamp,BOKEH_TEXTURE QuarterSamp,vec2 layerCoC,bool isFar,int last,BokehPolygon polygon,BokehLayerContext layers){
+BokehTargets BokehLayerFirst(sampler2D LayerSamp,sampler2D QuarterSamp,vec2 layerCoC,bool isFar,int last,BokehPolygon polygon,BokehLayerContext layers){
 BokehGrid grid=BokehLayerGrid(layers);
 vec2 center=layers.uv*grid.size;
 vec4 zero=vec4(0.);
@@ -1047,7 +1046,7 @@ targets.strip3=targets.strip2;
 targets.strip4=targets.strip2;
 targets.strip5=targets.strip2;}
 return targets;}
-vec4 BokehLayerSecond(BOKEH_TEXTURE Strip2Samp,BOKEH_TEXTURE Strip3Samp,BOKEH_TEXTURE Strip4Samp,BOKEH_TEXTURE Strip5Samp,vec2 layerCoC,bool isFar,BokehPolygon polygon,BokehLayerContext layers){
+vec4 BokehLayerSecond(sampler2D Strip2Samp,sampler2D Strip3Samp,sampler2D Strip4Samp,sampler2D Strip5Samp,vec2 layerCoC,bool isFar,BokehPolygon polygon,BokehLayerContext layers){
 BokehGrid grid=BokehLayerGrid(layers);
 vec2 center=layers.uv*grid.size;
 vec4 result=vec4(0.);
@@ -1071,7 +1070,7 @@ vec4 farStrip2;
 vec4 nearStrip3;
 vec4 farStrip3;
 };
-BokehLayersTargets BokehLayersFirst(BOKEH_TEXTURE NearSamp,BOKEH_TEXTURE NearQuarterSamp,BOKEH_TEXTURE FarSamp,BOKEH_TEXTURE FarQuarterSamp,vec2 layerCoC,BokehPolygon polygon,BokehLayerContext layers){
+BokehLayersTargets BokehLayersFirst(sampler2D NearSamp,sampler2D NearQuarterSamp,sampler2D FarSamp,sampler2D FarQuarterSamp,vec2 layerCoC,BokehPolygon polygon,BokehLayerContext layers){
 int last=polygon.sides/2;
 BokehTargets nearTargets=BokehLayerFirst(NearSamp,NearQuarterSamp,layerCoC,false,last,polygon,layers);
 BokehTargets farTargets=BokehLayerFirst(FarSamp,FarQuarterSamp,layerCoC,true,last,polygon,layers);
@@ -1085,12 +1084,12 @@ struct BokehBlurred{
 vec4 nearLayer;
 vec4 farLayer;
 };
-BokehBlurred BokehLayersSecond(BOKEH_TEXTURE NearStrip2Samp,BOKEH_TEXTURE FarStrip2Samp,BOKEH_TEXTURE NearStrip3Samp,BOKEH_TEXTURE FarStrip3Samp,vec2 layerCoC,BokehPolygon polygon,BokehLayerContext layers){
+BokehBlurred BokehLayersSecond(sampler2D NearStrip2Samp,sampler2D FarStrip2Samp,sampler2D NearStrip3Samp,sampler2D FarStrip3Samp,vec2 layerCoC,BokehPolygon polygon,BokehLayerContext layers){
 BokehBlurred targets;
 targets.nearLayer=BokehLayerSecond(NearStrip2Samp,NearStrip3Samp,NearStrip3Samp,NearStrip3Samp,layerCoC,false,polygon,layers);
 targets.farLayer=BokehLayerSecond(FarStrip2Samp,FarStrip3Samp,FarStrip3Samp,FarStrip3Samp,layerCoC,true,polygon,layers);
 return targets;}
-vec4 BokehFetchLayer(BOKEH_TEXTURE LayerSamp,vec2 place,BokehGrid grid){
+vec4 BokehFetchLayer(sampler2D LayerSamp,vec2 place,BokehGrid grid){
 vec4 result=vec4(0.);
 if(BOKEH_LAYER_CUBIC>0){
 vec2 texel=floor(place-.5)+.5;
@@ -1135,7 +1134,7 @@ float snapping;
 vec2 bounds;
 float inner;
 };
-BokehGather BokehGatherRing(BokehGather before,BOKEH_TEXTURE MapSamp,int ring,int onEdge,float outer,BokehPolygon polygon,BokehLayerContext layers){
+BokehGather BokehGatherRing(BokehGather before,sampler2D MapSamp,int ring,int onEdge,float outer,BokehPolygon polygon,BokehLayerContext layers){
 BokehGather gather=before;
 BokehGrid full=BokehFullGrid(layers);
 vec2 zero=vec2(0.);
@@ -1182,13 +1181,13 @@ corner+=alongEdge;
 direction=BokehRotated(direction,turn);}
 gather.inner=outer;
 return gather;}
-BokehGather BokehGatherTo(BokehGather before,BOKEH_TEXTURE MapSamp,int ring,int density,float end,BokehRingLayout rings,BokehPolygon polygon,BokehLayerContext layers){
+BokehGather BokehGatherTo(BokehGather before,sampler2D MapSamp,int ring,int density,float end,BokehRingLayout rings,BokehPolygon polygon,BokehLayerContext layers){
 BokehGather gather=before;
 float outer=min(BokehRingBorder(ring,rings),end);
 if(ring<=BOKEH_LAYER_RINGS+1&&gather.inner<outer){
 gather=BokehGatherRing(gather,MapSamp,ring,BokehSamplesPerEdge(max(min(density,BOKEH_LAYER_RINGS),1),polygon),outer,polygon,layers);}
 return gather;}
-vec3 BokehOutline(BOKEH_TEXTURE MapSamp,vec2 center,vec4 pixel,vec3 farColor,float farSlope,BokehLayerContext layers){
+vec3 BokehOutline(sampler2D MapSamp,vec2 center,vec4 pixel,vec3 farColor,float farSlope,BokehLayerContext layers){
 BokehGrid full=BokehFullGrid(layers);
 vec4 object=vec4(0.);
 vec4 background=vec4(0.);
@@ -1214,7 +1213,7 @@ vec3 other=ownContrast-contrast*covered;
 float isMixed=clamp(2.-8.*dot(other,other)/square,0.,1.)*min(16.*covered,1.);
 float open=.25+(.75-covered)*isMixed;
 return (farColor-behind)*(open*min(background.a,1.)*min(object.a,1.));}
-vec4 BokehComposite(BOKEH_TEXTURE MapSamp,BOKEH_TEXTURE GatherTilesSamp,BOKEH_TEXTURE NearSamp,BOKEH_TEXTURE FarSamp,BOKEH_TEXTURE MidFillSamp,BOKEH_TEXTURE FarFillSamp,BokehPolygon polygon,BokehLayerContext layers){
+vec4 BokehComposite(sampler2D MapSamp,sampler2D GatherTilesSamp,sampler2D NearSamp,sampler2D FarSamp,sampler2D MidFillSamp,sampler2D FarFillSamp,BokehPolygon polygon,BokehLayerContext layers){
 BokehGrid full=BokehFullGrid(layers);
 vec2 center=floor(layers.uv*full.size)+.5;
 vec4 centerPixel=BokehFetchTexel(MapSamp,BokehToTexture(layers.uv));
@@ -1388,7 +1387,7 @@ BokehLens nearest=lens;
 nearest.focusDistance=clamp(depth,middle-focus.sharpRange.x,middle+focus.sharpRange.y);
 float CoC=BokehSignedCoC(depth,nearest);
 return clamp(min(CoC,0.)*focus.sideScale.x+max(CoC,0.)*focus.sideScale.y,-focus.sideMaxCoC.x,focus.sideMaxCoC.y);}
-vec4 BokehStableMap(BOKEH_TEXTURE MapSamp,BOKEH_TEXTURE HistorySamp,BOKEH_TEXTURE VelocitySamp,vec2 uv,vec2 imageSize,float blend){
+vec4 BokehStableMap(sampler2D MapSamp,sampler2D HistorySamp,sampler2D VelocitySamp,vec2 uv,vec2 imageSize,float blend){
 vec4 pixel=BokehFetchTexel(MapSamp,BokehToTexture(uv));
 float nearest=pixel.a;
 for(int y=0;y<3;y++){
@@ -1401,7 +1400,7 @@ float history=BokehSanitize(BokehFetch(HistorySamp,before).a,nearest,pixel.a);
 if(max(abs(before.x-.5),abs(before.y-.5))<=.5){
 pixel+=vec4(0.,0.,0.,(history-pixel.a)*clamp(1.-blend,0.,1.));}
 return pixel;}
-vec4 BokehLateralColor(BOKEH_TEXTURE PictureSamp,vec2 uv,float amount){
+vec4 BokehLateralColor(sampler2D PictureSamp,vec2 uv,float amount){
 float larger=clamp(amount,-.1,.1);
 vec2 place=uv-.5;
 vec4 green=BokehFetch(PictureSamp,uv);

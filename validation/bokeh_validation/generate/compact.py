@@ -9,8 +9,9 @@ from bokeh_validation import shaders
 TUNED = r"^(?:#define |const )(BOKEH_TUNED_\w+)(?:: f32 =)? ([\d.]+);?$"
 # A vector of equal numbers
 VECTOR = r"\b(vec(\d)f?)\(([\d.]+)((?:,\3)+)\)"
-# What half precision adds to the text: its constant, its types, and a function, which would only return its argument
-HALF_PRECISION = (
+# What options add that these packages do not have. Half precision: its constant, its types, and a function, which would
+# only return its argument. Own fetch functions: a name for the type of a texture.
+OPTIONS = (
     (r"^#ifndef BOKEH_HALF_PRECISION\n.*\n#endif\n", ""),
     (r"^#if BOKEH_HALF_PRECISION > 0 && (?s:.*?)^#define BOKEH_TO_HALF4 vec4\n#endif\n", ""),
     (r"^override BOKEH_HALF_PRECISION.*\n|^alias BokehHalf.*\n", ""),
@@ -18,19 +19,21 @@ HALF_PRECISION = (
     (r"\bBokehHalfTexel\(", "("),
     (r"\bBOKEH_(?:TO_)?HALF(\d)\b", r"vec\1"),
     (r"\bBokehHalf(\d)\b", r"vec\1f"),
+    (r"^#define BOKEH_TEXTURE sampler2D\n", ""),
+    (r"\bBOKEH_TEXTURE\b", "sampler2D"),
 )
 
 
 def shortened(texts: Mapping[str, str]) -> dict[str, list[str]]:
-    """Return the lines of each of a language's texts, without what only readers need and without half precision."""
-    full = _with_values({name: _in_full_precision(text) for name, text in texts.items()})
+    """Return the lines of each of a language's texts, without what only readers need and without OPTIONS."""
+    full = _with_values({name: _without_options(text) for name, text in texts.items()})
     joined = {name: _joined(map(_compact, code(text))) for name, text in full.items()}
     return {name: [re.sub(VECTOR, _one_component, line) for line in lines] for name, lines in joined.items()}
 
 
-def _in_full_precision(text: str) -> str:
-    """Return a text in GLSL or WGSL without the option of half precision, which the classes do not have."""
-    for pattern, new in HALF_PRECISION:
+def _without_options(text: str) -> str:
+    """Return a text in GLSL or WGSL without OPTIONS, which the classes do not have."""
+    for pattern, new in OPTIONS:
         text = re.sub(pattern, new, text, flags=re.MULTILINE)
     return text
 
