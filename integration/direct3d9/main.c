@@ -340,9 +340,13 @@ static void draw_pass(const Pass *pass)
         from[COLOR_SLOTS[i]] = find(name);
     for (int i = 0; i < MAX_TARGETS; i++)
         CHECK(IDirect3DDevice9_SetRenderTarget(device, i, to[i] ? to[i]->surface : NULL));
-    /* colour and depth are copied texel by texel, all else is sampled between texels */
+    /* colour, depth and what two of the passes read are copied texel by texel, all else is sampled between texels */
+    int texels = !strcmp(pass->entry, "BokehTileMax_PS") || !strcmp(pass->entry, "BokehLayerCoCReduce_PS");
     for (int i = 0; i < MAX_INPUTS; i++)
-        set_texture(i, from[i], from[i] == find("color") || i == DEPTH_SLOT ? D3DTEXF_POINT : D3DTEXF_LINEAR);
+    {
+        int is_point = texels || from[i] == find("color") || i == DEPTH_SLOT;
+        set_texture(i, from[i], is_point ? D3DTEXF_POINT : D3DTEXF_LINEAR);
+    }
     if (pass->own.index)
         ((float *)&values)[pass->own.index] = pass->own.value;
     set_parameters((const float *)&values);

@@ -129,12 +129,13 @@ def test_a_change_in_one_language_is_found(file, name, language):
 @pytest.mark.parametrize("file", [*paths.STEMS[:-1], "passes"])
 def test_hardly_a_token_can_go_unnoticed(file, language):
     """Check that dropping a token of the common text is reported; semicolons are left out, since every compiler misses
-    them.
+    them, and BOKEH_LOOP, which only HLSL has.
     """
     key = FILES[file][language]
     text = TEXTS[key]
     start = COMMON.search(text).end()
-    for token in list(re.finditer(r"//[^\n]*|[\w.]+|[^\w\s;]", text[start:]))[::251]:
+    tokens = re.finditer(r"//[^\n]*|[\w.]+|[^\w\s;]", text[start:])
+    for token in [token for token in tokens if token[0] != "BOKEH_LOOP"][::251]:
         dropped = text[: start + token.start()] + text[start + token.end() :]
         assert parity.check({key: dropped}), f"{token[0]} dropped at {start + token.start()}"
 
