@@ -357,7 +357,8 @@ def test_a_light_while_the_near_layer_appears(driver):
     The light's weight in the near layer grows from 0 to 1 while its CoC grows from 8.4 to 9.6 pixels
     (BokehLayerWeight). The energy must stay between what the gather alone keeps at 8.25 pixels and the layer alone at
     10, within 0.03: the gather's samples lie elsewhere at each CoC, and from 7 to 8 pixels that changes its energy by
-    0.04. Where the weights of the two do not add up to 1, the light has up to 1.6 times its energy.
+    0.04. Where the weights of the two do not add up to 1, the light has up to 1.6 times its energy. Before and after,
+    the energy must be right within 0.05, which is the gather's own error.
     """
     size, light, energy = (96, 64), (slice(28, 32), slice(40, 44)), {}
     for coc in (8.25, 8.5, 8.75, 9.0, 9.25, 9.5, 10.0):
@@ -365,4 +366,5 @@ def test_a_light_while_the_near_layer_appears(driver):
         color[light][..., :3], depth[light] = 64.0, near_edges.metres(-coc, size[1])
         energy[coc] = layered(driver, Case("light", LAYERED, color, depth)).sum() / color[..., :3].sum(dtype=np.float64)
     before, *between, after = energy.values()
+    assert 0.95 <= min(before, after) <= max(before, after) <= 1.05, energy
     assert min(before, after) - 0.03 <= min(between) <= max(between) <= max(before, after) + 0.03, energy
