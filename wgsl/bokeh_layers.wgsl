@@ -1254,13 +1254,38 @@ fn BokehHalfTexel(texel: vec4f) -> BokehHalf4
     return converted;
 }
 
-// Layers: gathers one more ring
-//   onEdge        samples on an edge; if they and the polygon's sides are literals, compilers
-//                 unroll both loops
+// Layers: says which samples of a ring are gathered
+//   number        of the ring; ring 1 lies around the inner disc
+//   onEdge        samples that the ring has on each edge of the polygon
+//   first, end    the samples of each edge that are gathered: from first to end - 1
 //   outer         where the ring ends, pixels
-fn BokehGatherRing(before: BokehGather, MapSamp: texture_2d<f32>, ring: i32, onEdge: i32,
-    outer: f32, polygon: BokehPolygon, layers: BokehLayerContext,
-    BokehLinearClamp: sampler) -> BokehGather
+struct BokehRing
+{
+    number: i32,
+    onEdge: i32,
+    first: i32,
+    end: i32,
+    outer: f32,
+}
+
+// Layers: returns a ring of the gather with all its samples
+//   density       number of the ring whose number of samples it takes
+fn BokehMakeRing(number: i32, density: i32, rings: BokehRingLayout,
+    polygon: BokehPolygon) -> BokehRing
+{
+    var ring: BokehRing;
+    ring.number = number;
+    ring.onEdge = BokehSamplesPerEdge(density, polygon);
+    ring.first = 0;
+    ring.end = ring.onEdge;
+    ring.outer = min(BokehRingBorder(number, rings), rings.radius);
+    return ring;
+}
+
+// Layers: gathers samples of a ring, which begins at `inner` of the gather
+//   If first and end of the ring and the polygon's sides are literals, compilers unroll both loops.
+fn BokehGatherRing(before: BokehGather, MapSamp: texture_2d<f32>, ring: BokehRing,
+    polygon: BokehPolygon, layers: BokehLayerContext, BokehLinearClamp: sampler) -> BokehGather
 {
     //   |-----|--.--|--.--|     weight of a sample: the part of its ring that its own disc covers,
     //   disc    1     2         divided by the area of that disc
@@ -1269,13 +1294,13 @@ fn BokehGatherRing(before: BokehGather, MapSamp: texture_2d<f32>, ring: i32, onE
     let zero: vec2f = vec2f(0.0, 0.0);
     let one: vec2f = vec2f(1.0, 1.0);
     let outwards: f32 = BOKEH_TUNED_RING_POSITION - BOKEH_TUNED_RING_STEP * f32(BOKEH_LAYER_RINGS);
-    let current: f32 = gather.inner + (outer - gather.inner) * outwards;
+    let current: f32 = gather.inner + (ring.outer - gather.inner) * outwards;
     let innerSquare: f32 = gather.inner * gather.inner;
-    let area: f32 = outer * outer - innerSquare;
+    let area: f32 = ring.outer * ring.outer - innerSquare;
     // the same of this pixel's disc, for samples behind its surface
     let ownCovers: f32 = max(min(1.0 - innerSquare * gather.inverse, area * gather.inverse), 0.0);
-    var phase: f32 = layers.jitter * clamp(current / f32(ring) - 1.0, 0.0, 1.0);
-    if (ring != 2)
+    var phase: f32 = layers.jitter * clamp(current / f32(ring.number) - 1.0, 0.0, 1.0);
+    if (ring.number != 2)
     {
         // all rings but the second are rotated by half a step, so that those beside it fill its
         // gaps
@@ -1291,10 +1316,10 @@ fn BokehGatherRing(before: BokehGather, MapSamp: texture_2d<f32>, ring: i32, onE
     for (var edge: i32 = 1; edge <= polygon.sides / 2; edge++)
     {
         let alongEdge: vec2f = direction * BokehEdgeLength(edge, polygon);
-        let along: vec2f = alongEdge / f32(onEdge);
+        let along: vec2f = alongEdge / f32(ring.onEdge);
         // each edge stands for the triangle from the centre to it
         let cell: f32 = (corner.x * along.y - corner.y * along.x) / (8.0 * polygon.area);
-        for (var i: i32 = 0; i < onEdge; i++)
+        for (var i: i32 = ring.first; i < ring.end; i++)
         {
             let upright: vec2f = corner + along * (f32(i) + phase);
             let place: vec2f = right * upright.x + upwards * upright.y;
@@ -1327,23 +1352,55 @@ fn BokehGatherRing(before: BokehGather, MapSamp: texture_2d<f32>, ring: i32, onE
         corner += alongEdge;
         direction = BokehRotated(direction, turn);
     }
-    gather.inner = outer;
     return gather;
 }
 
-// Layers: gathers one more ring, if there is one between the gather so far and its end
-//   density       number of the ring whose number of samples is taken
-//   end           pixels
-fn BokehGatherTo(before: BokehGather, MapSamp: texture_2d<f32>, ring: i32, density: i32, end: f32,
+// Layers: gathers a ring before the last one, if the preset has it and it begins inside the gather
+//   number        of the ring: 1 .. BOKEH_LAYER_RINGS
+fn BokehGatherInnerRing(before: BokehGather, MapSamp: texture_2d<f32>, number: i32,
     rings: BokehRingLayout, polygon: BokehPolygon, layers: BokehLayerContext,
     BokehLinearClamp: sampler) -> BokehGather
 {
     var gather: BokehGather = before;
-    let outer: f32 = min(BokehRingBorder(ring, rings), end);
-    if (ring <= BOKEH_LAYER_RINGS + 1 && gather.inner < outer)
+    let ring: BokehRing = BokehMakeRing(number, number, rings, polygon);
+    if (number <= BOKEH_LAYER_RINGS && gather.inner < ring.outer)
     {
-        gather = BokehGatherRing(gather, MapSamp, ring, BokehSamplesPerEdge(max(min(density,
-            BOKEH_LAYER_RINGS), 1), polygon), outer, polygon, layers, BokehLinearClamp);
+        gather = BokehGatherRing(gather, MapSamp, ring, polygon, layers, BokehLinearClamp);
+        gather.inner = ring.outer;
+    }
+    return gather;
+}
+
+// Layers: gathers the last ring, number BOKEH_LAYER_RINGS + 1, if it begins inside the gather
+//   isDense       true: it has as many samples as the ring before it; false: as few as ring 1
+fn BokehGatherLastRing(before: BokehGather, MapSamp: texture_2d<f32>, isDense: bool,
+    rings: BokehRingLayout, polygon: BokehPolygon, layers: BokehLayerContext,
+    BokehLinearClamp: sampler) -> BokehGather
+{
+    var gather: BokehGather = before;
+    var ring: BokehRing = BokehMakeRing(BOKEH_LAYER_RINGS + 1, 1, rings, polygon);
+    let few: i32 = ring.onEdge;
+    var many: i32 = few;
+    if (BOKEH_LAYER_RINGS > 1)
+    {
+        many = BokehSamplesPerEdge(BOKEH_LAYER_RINGS, polygon);
+    }
+    if (gather.inner < ring.outer)
+    {
+        // A dense ring takes its samples in two calls. A sparse one shares the first of them, so
+        // that the program does not contain the code of both rings.
+        if (isDense)
+        {
+            ring.onEdge = many;
+        }
+        gather = BokehGatherRing(gather, MapSamp, ring, polygon, layers, BokehLinearClamp);
+        if (isDense && many > few)
+        {
+            ring.first = few;
+            ring.end = many;
+            gather = BokehGatherRing(gather, MapSamp, ring, polygon, layers, BokehLinearClamp);
+        }
+        gather.inner = ring.outer;
     }
     return gather;
 }
@@ -1507,52 +1564,38 @@ fn BokehComposite(MapSamp: texture_2d<f32>, GatherTilesSamp: texture_2d<f32>,
         // the wider a layer's blur here, the closer samples move to the nearest texel: between a
         // near light and the surface behind it, the linear filter would find a light in focus
         gather.snapping = max(tile.r, tile.g - 16.0);
-        // where the last ring of a wide gather begins, the one with few samples
-        var lastInner: f32 = radius;
-        if (rings > denseRings)
-        {
-            lastInner = min(BokehRingBorder(BOKEH_LAYER_RINGS, ringLayout), radius);
-        }
         if (BOKEH_SIDES > 0)
         {
             // each ring has a call of its own: its number of samples is then known, and compilers
-            // unroll its loops; up to a preset of one ring, the last call takes the additional one
-            if (BOKEH_LAYER_RINGS > 0)
-            {
-                gather = BokehGatherTo(gather, MapSamp, 1, 1, lastInner, ringLayout, polygon,
-                    layers, BokehLinearClamp);
-            }
-            if (BOKEH_LAYER_RINGS > 1)
-            {
-                gather = BokehGatherTo(gather, MapSamp, 2, 2, lastInner, ringLayout, polygon,
-                    layers, BokehLinearClamp);
-                gather = BokehGatherTo(gather, MapSamp, 3, 3, lastInner, ringLayout, polygon,
-                    layers, BokehLinearClamp);
-                gather = BokehGatherTo(gather, MapSamp, 4, 4, lastInner, ringLayout, polygon,
-                    layers, BokehLinearClamp);
-                gather = BokehGatherTo(gather, MapSamp, 5, 5, lastInner, ringLayout, polygon,
-                    layers, BokehLinearClamp);
-            }
-            // the last ring of a wide gather, with few samples
-            gather = BokehGatherTo(gather, MapSamp, BOKEH_LAYER_RINGS + 1, 1, radius, ringLayout,
-                polygon, layers, BokehLinearClamp);
+            // unroll its loops
+            gather = BokehGatherInnerRing(gather, MapSamp, 1, ringLayout, polygon, layers,
+                BokehLinearClamp);
+            gather = BokehGatherInnerRing(gather, MapSamp, 2, ringLayout, polygon, layers,
+                BokehLinearClamp);
+            gather = BokehGatherInnerRing(gather, MapSamp, 3, ringLayout, polygon, layers,
+                BokehLinearClamp);
+            gather = BokehGatherInnerRing(gather, MapSamp, 4, ringLayout, polygon, layers,
+                BokehLinearClamp);
+            gather = BokehGatherLastRing(gather, MapSamp, hasFreeFetches, ringLayout, polygon,
+                layers, BokehLinearClamp);
         }
         else
         {
-            for (var ring: i32 = 1; ring <= BOKEH_LAYER_RINGS + 1; ring++)
+            for (var number: i32 = 1; number <= BOKEH_LAYER_RINGS + 1; number++)
             {
                 if (gather.inner >= radius)
                 {
                     break;
                 }
-                var density: i32 = max(min(ring, BOKEH_LAYER_RINGS), 1);
-                if (f32(ring) > denseRings)
+                var density: i32 = max(min(number, BOKEH_LAYER_RINGS), 1);
+                if (f32(number) > denseRings)
                 {
                     density = 1;
                 }
-                let outer: f32 = min(BokehRingBorder(ring, ringLayout), radius);
-                gather = BokehGatherRing(gather, MapSamp, ring, BokehSamplesPerEdge(density,
-                    polygon), outer, polygon, layers, BokehLinearClamp);
+                let ring: BokehRing = BokehMakeRing(number, density, ringLayout, polygon);
+                gather = BokehGatherRing(gather, MapSamp, ring, polygon, layers,
+                    BokehLinearClamp);
+                gather.inner = ring.outer;
             }
         }
 

@@ -89,18 +89,9 @@ ivec2 size=BOKEH_DEPTH_SIZE(tex);
 ivec2 texel=ivec2(clamp(coords,0.,1.)*vec2(size));
 return texelFetch(tex,min(texel,size-ivec2(1,1)),0).rg;}
 #endif
-vec4 BokehViewport=vec4(0.,0.,1.,1.);
-vec4 BokehViewportBounds=vec4(0.,0.,1.,1.);
-void BokehSetViewport(vec4 viewport,vec2 textureSize){
-if(BOKEH_VIEWPORT>0){
-vec2 inset=min(vec2(.5078125),viewport.zw*.5);
-BokehViewport=viewport/textureSize.xyxy;
-BokehViewportBounds=vec4(viewport.xy+inset,viewport.xy+viewport.zw-inset) /
-textureSize.xyxy;}}
+void BokehSetViewport(vec4 viewport,vec2 textureSize){}
 vec2 BokehToTexture(vec2 uv){
 vec2 coords=uv;
-if(BOKEH_VIEWPORT>0){
-coords=clamp(BokehViewport.xy+uv*BokehViewport.zw,BokehViewportBounds.xy,BokehViewportBounds.zw);}
 return coords;}
 vec4 BokehFetch(sampler2D tex,vec2 uv){
 return BokehFetchTexture(tex,BokehToTexture(uv));}
@@ -646,16 +637,11 @@ BokehGrid grid;
 grid.size=ceil(layers.size/scale);
 grid.origin=layers.origin/scale;
 grid.texel=1./grid.size;
-if(BOKEH_VIEWPORT>0){
-grid.texel=1./ceil(floor(1./layers.texel+.5)/scale);}
 return grid;}
 BokehGrid BokehLayerGrid(BokehLayerContext layers){
 return BokehReducedGrid(layers,float(BOKEH_LAYER_SCALE));}
 vec2 BokehGridCoords(vec2 place,BokehGrid grid){
 vec2 coords=place;
-if(BOKEH_VIEWPORT>0){
-vec2 inset=min(vec2(.5078125),grid.size*.5);
-coords=grid.origin+clamp(place,inset,grid.size-inset);}
 return coords*grid.texel;}
 vec4 BokehFetchGrid(sampler2D tex,vec2 place,BokehGrid grid){
 return BokehFetchTexture(tex,BokehGridCoords(place,grid));}
@@ -663,8 +649,6 @@ vec4 BokehFetchGridTexel(sampler2D tex,vec2 place,BokehGrid grid){
 return BokehFetchTexel(tex,BokehGridCoords(place,grid));}
 vec4 BokehFetchAround(sampler2D tex,vec2 center,vec2 offset,BokehGrid grid){
 vec2 coords=(center+offset)/grid.size;
-if(BOKEH_VIEWPORT>0){
-coords=BokehGridCoords(center+offset,grid);}
 return BokehFetchTexture(tex,coords);}
 float BokehBrightest(vec3 color){
 return max(max(color.r,color.g),color.b);}
@@ -1134,18 +1118,33 @@ float snapping;
 vec2 bounds;
 float inner;
 };
-BokehGather BokehGatherRing(BokehGather before,sampler2D MapSamp,int ring,int onEdge,float outer,BokehPolygon polygon,BokehLayerContext layers){
+struct BokehRing{
+int number;
+int onEdge;
+int first;
+int end;
+float outer;
+};
+BokehRing BokehMakeRing(int number,int density,BokehRingLayout rings,BokehPolygon polygon){
+BokehRing ring;
+ring.number=number;
+ring.onEdge=BokehSamplesPerEdge(density,polygon);
+ring.first=0;
+ring.end=ring.onEdge;
+ring.outer=min(BokehRingBorder(number,rings),rings.radius);
+return ring;}
+BokehGather BokehGatherRing(BokehGather before,sampler2D MapSamp,BokehRing ring,BokehPolygon polygon,BokehLayerContext layers){
 BokehGather gather=before;
 BokehGrid full=BokehFullGrid(layers);
 vec2 zero=vec2(0.);
 vec2 one=vec2(1.);
 float outwards=.58-.04*float(BOKEH_LAYER_RINGS);
-float current=gather.inner+(outer-gather.inner)*outwards;
+float current=gather.inner+(ring.outer-gather.inner)*outwards;
 float innerSquare=gather.inner*gather.inner;
-float area=outer*outer-innerSquare;
+float area=ring.outer*ring.outer-innerSquare;
 float ownCovers=max(min(1.-innerSquare*gather.inverse,area*gather.inverse),0.);
-float phase=layers.jitter*clamp(current/float(ring)-1.,0.,1.);
-if(ring != 2){
+float phase=layers.jitter*clamp(current/float(ring.number)-1.,0.,1.);
+if(ring.number != 2){
 phase+=.5;}
 vec2 right=vec2(polygon.axis.x*polygon.squeeze,polygon.axis.y)*current;
 vec2 upwards=vec2(-polygon.axis.y*polygon.squeeze,polygon.axis.x)*current;
@@ -1154,9 +1153,9 @@ vec2 turn=BokehTurn(1.,polygon);
 vec2 direction=vec2(-turn.y,turn.x)*2.;
 for(int edge=1;edge<=polygon.sides/2;edge++){
 vec2 alongEdge=direction*BokehEdgeLength(edge,polygon);
-vec2 along=alongEdge/float(onEdge);
+vec2 along=alongEdge/float(ring.onEdge);
 float cell=(corner.x*along.y-corner.y*along.x)/(8.*polygon.area);
-for(int i=0;i<onEdge;i++){
+for(int i=ring.first;i<ring.end;i++){
 vec2 upright=corner+along*(float(i)+phase);
 vec2 place=right*upright.x+upwards*upright.y;
 vec2 texel=floor(place);
@@ -1179,13 +1178,30 @@ gather.front+=vec4(pixel.rgb,1.)*inFront.x;
 gather.front+=vec4(other.rgb,1.)*inFront.y;}
 corner+=alongEdge;
 direction=BokehRotated(direction,turn);}
-gather.inner=outer;
 return gather;}
-BokehGather BokehGatherTo(BokehGather before,sampler2D MapSamp,int ring,int density,float end,BokehRingLayout rings,BokehPolygon polygon,BokehLayerContext layers){
+BokehGather BokehGatherInnerRing(BokehGather before,sampler2D MapSamp,int number,BokehRingLayout rings,BokehPolygon polygon,BokehLayerContext layers){
 BokehGather gather=before;
-float outer=min(BokehRingBorder(ring,rings),end);
-if(ring<=BOKEH_LAYER_RINGS+1&&gather.inner<outer){
-gather=BokehGatherRing(gather,MapSamp,ring,BokehSamplesPerEdge(max(min(density,BOKEH_LAYER_RINGS),1),polygon),outer,polygon,layers);}
+BokehRing ring=BokehMakeRing(number,number,rings,polygon);
+if(number<=BOKEH_LAYER_RINGS&&gather.inner<ring.outer){
+gather=BokehGatherRing(gather,MapSamp,ring,polygon,layers);
+gather.inner=ring.outer;}
+return gather;}
+BokehGather BokehGatherLastRing(BokehGather before,sampler2D MapSamp,bool isDense,BokehRingLayout rings,BokehPolygon polygon,BokehLayerContext layers){
+BokehGather gather=before;
+BokehRing ring=BokehMakeRing(BOKEH_LAYER_RINGS+1,1,rings,polygon);
+int few=ring.onEdge;
+int many=few;
+if(BOKEH_LAYER_RINGS>1){
+many=BokehSamplesPerEdge(BOKEH_LAYER_RINGS,polygon);}
+if(gather.inner<ring.outer){
+if(isDense){
+ring.onEdge=many;}
+gather=BokehGatherRing(gather,MapSamp,ring,polygon,layers);
+if(isDense&&many>few){
+ring.first=few;
+ring.end=many;
+gather=BokehGatherRing(gather,MapSamp,ring,polygon,layers);}
+gather.inner=ring.outer;}
 return gather;}
 vec3 BokehOutline(sampler2D MapSamp,vec2 center,vec4 pixel,vec3 farColor,float farSlope,BokehLayerContext layers){
 BokehGrid full=BokehFullGrid(layers);
@@ -1262,27 +1278,22 @@ gather.farFound=weight*farWeight;
 gather.sum=vec4(vec4((vec4(centerPixel.rgb,1.)))*(weight-gather.farFound));
 gather.front=vec4(0.);
 gather.snapping=max(tile.r,tile.g-16.);
-float lastInner=radius;
-if(rings>denseRings){
-lastInner=min(BokehRingBorder(BOKEH_LAYER_RINGS,ringLayout),radius);}
 if(BOKEH_SIDES>0){
-if(BOKEH_LAYER_RINGS>0){
-gather=BokehGatherTo(gather,MapSamp,1,1,lastInner,ringLayout,polygon,layers);}
-if(BOKEH_LAYER_RINGS>1){
-gather=BokehGatherTo(gather,MapSamp,2,2,lastInner,ringLayout,polygon,layers);
-gather=BokehGatherTo(gather,MapSamp,3,3,lastInner,ringLayout,polygon,layers);
-gather=BokehGatherTo(gather,MapSamp,4,4,lastInner,ringLayout,polygon,layers);
-gather=BokehGatherTo(gather,MapSamp,5,5,lastInner,ringLayout,polygon,layers);}
-gather=BokehGatherTo(gather,MapSamp,BOKEH_LAYER_RINGS+1,1,radius,ringLayout,polygon,layers);}
+gather=BokehGatherInnerRing(gather,MapSamp,1,ringLayout,polygon,layers);
+gather=BokehGatherInnerRing(gather,MapSamp,2,ringLayout,polygon,layers);
+gather=BokehGatherInnerRing(gather,MapSamp,3,ringLayout,polygon,layers);
+gather=BokehGatherInnerRing(gather,MapSamp,4,ringLayout,polygon,layers);
+gather=BokehGatherLastRing(gather,MapSamp,hasFreeFetches,ringLayout,polygon,layers);}
 else{
-for(int ring=1;ring<=BOKEH_LAYER_RINGS+1;ring++){
+for(int number=1;number<=BOKEH_LAYER_RINGS+1;number++){
 if(gather.inner>=radius){
 break;}
-int density=max(min(ring,BOKEH_LAYER_RINGS),1);
-if(float(ring)>denseRings){
+int density=max(min(number,BOKEH_LAYER_RINGS),1);
+if(float(number)>denseRings){
 density=1;}
-float outer=min(BokehRingBorder(ring,ringLayout),radius);
-gather=BokehGatherRing(gather,MapSamp,ring,BokehSamplesPerEdge(density,polygon),outer,polygon,layers);}}
+BokehRing ring=BokehMakeRing(number,density,ringLayout,polygon);
+gather=BokehGatherRing(gather,MapSamp,ring,polygon,layers);
+gather.inner=ring.outer;}}
 vec4 farLayer=vec4(0.);
 float farReach=tile.g;
 if(BOKEH_SIDES==0){
@@ -1437,18 +1448,9 @@ fn BokehFetchDepth(tex:BokehDepthTexture,coords:vec2f)->vec2f{
 let size=vec2i(textureDimensions(tex));
 let texel=vec2i(saturate(coords)*vec2f(size));
 return vec4f(textureLoad(tex,min(texel,size-vec2i(1,1)),0)).rg;}
-var<private> BokehViewport:vec4f=vec4f(0.,0.,1.,1.);
-var<private> BokehViewportBounds:vec4f=vec4f(0.,0.,1.,1.);
-fn BokehSetViewport(viewport:vec4f,textureSize:vec2f){
-if(BOKEH_VIEWPORT>0){
-let inset=min(vec2f(.5078125),viewport.zw*.5);
-BokehViewport=viewport/textureSize.xyxy;
-BokehViewportBounds=vec4f(viewport.xy+inset,viewport.xy+viewport.zw-inset) /
-textureSize.xyxy;}}
+fn BokehSetViewport(viewport:vec4f,textureSize:vec2f){}
 fn BokehToTexture(uv:vec2f)->vec2f{
 var coords=uv;
-if(BOKEH_VIEWPORT>0){
-coords=clamp(BokehViewport.xy+uv*BokehViewport.zw,BokehViewportBounds.xy,BokehViewportBounds.zw);}
 return coords;}
 fn BokehFetch(tex:texture_2d<f32>,uv:vec2f,BokehLinearClamp:sampler)->vec4f{
 return BokehFetchTexture(tex,BokehToTexture(uv),BokehLinearClamp);}
@@ -1902,16 +1904,11 @@ var grid:BokehGrid;
 grid.size=ceil(layers.size/scale);
 grid.origin=layers.origin/scale;
 grid.texel=1./grid.size;
-if(BOKEH_VIEWPORT>0){
-grid.texel=1./ceil(floor(1./layers.texel+.5)/scale);}
 return grid;}
 fn BokehLayerGrid(layers:BokehLayerContext)->BokehGrid{
 return BokehReducedGrid(layers,f32(BOKEH_LAYER_SCALE));}
 fn BokehGridCoords(place:vec2f,grid:BokehGrid)->vec2f{
 var coords=place;
-if(BOKEH_VIEWPORT>0){
-let inset=min(vec2f(.5078125),grid.size*.5);
-coords=grid.origin+clamp(place,inset,grid.size-inset);}
 return coords*grid.texel;}
 fn BokehFetchGrid(tex:texture_2d<f32>,place:vec2f,grid:BokehGrid,BokehLinearClamp:sampler)->vec4f{
 return BokehFetchTexture(tex,BokehGridCoords(place,grid),BokehLinearClamp);}
@@ -1919,8 +1916,6 @@ fn BokehFetchGridTexel(tex:texture_2d<f32>,place:vec2f,grid:BokehGrid)->vec4f{
 return BokehFetchTexel(tex,BokehGridCoords(place,grid));}
 fn BokehFetchAround(tex:texture_2d<f32>,center:vec2f,offset:vec2f,grid:BokehGrid,BokehLinearClamp:sampler)->vec4f{
 var coords=(center+offset)/grid.size;
-if(BOKEH_VIEWPORT>0){
-coords=BokehGridCoords(center+offset,grid);}
 return BokehFetchTexture(tex,coords,BokehLinearClamp);}
 fn BokehBrightest(color:vec3f)->f32{
 return max(max(color.r,color.g),color.b);}
@@ -2352,18 +2347,28 @@ let even=rings.spacing*(f32(ring)+.5);
 return max(even+even*(even/rings.radius-1.)*rings.narrowing,min(even,f32(ring)+.5));}
 struct BokehGather{
 sum:vec4f,front:vec4f,farFound:f32,center:vec2f,s:f32,inverse:f32,nearWeight:f32,slopes:vec2f,snapping:f32,bounds:vec2f,inner:f32,}
-fn BokehGatherRing(before:BokehGather,MapSamp:texture_2d<f32>,ring:i32,onEdge:i32,outer:f32,polygon:BokehPolygon,layers:BokehLayerContext,BokehLinearClamp:sampler)->BokehGather{
+struct BokehRing{
+number:i32,onEdge:i32,first:i32,end:i32,outer:f32,}
+fn BokehMakeRing(number:i32,density:i32,rings:BokehRingLayout,polygon:BokehPolygon)->BokehRing{
+var ring:BokehRing;
+ring.number=number;
+ring.onEdge=BokehSamplesPerEdge(density,polygon);
+ring.first=0;
+ring.end=ring.onEdge;
+ring.outer=min(BokehRingBorder(number,rings),rings.radius);
+return ring;}
+fn BokehGatherRing(before:BokehGather,MapSamp:texture_2d<f32>,ring:BokehRing,polygon:BokehPolygon,layers:BokehLayerContext,BokehLinearClamp:sampler)->BokehGather{
 var gather=before;
 let full=BokehFullGrid(layers);
 let zero=vec2f(0.);
 let one=vec2f(1.);
 let outwards=.58-.04*f32(BOKEH_LAYER_RINGS);
-let current=gather.inner+(outer-gather.inner)*outwards;
+let current=gather.inner+(ring.outer-gather.inner)*outwards;
 let innerSquare=gather.inner*gather.inner;
-let area=outer*outer-innerSquare;
+let area=ring.outer*ring.outer-innerSquare;
 let ownCovers=max(min(1.-innerSquare*gather.inverse,area*gather.inverse),0.);
-var phase=layers.jitter*clamp(current/f32(ring)-1.,0.,1.);
-if(ring != 2){
+var phase=layers.jitter*clamp(current/f32(ring.number)-1.,0.,1.);
+if(ring.number != 2){
 phase+=.5;}
 let right=vec2f(polygon.axis.x*polygon.squeeze,polygon.axis.y)*current;
 let upwards=vec2f(-polygon.axis.y*polygon.squeeze,polygon.axis.x)*current;
@@ -2372,9 +2377,9 @@ let turn=BokehTurn(1.,polygon);
 var direction=vec2f(-turn.y,turn.x)*2.;
 for(var edge=1;edge<=polygon.sides/2;edge++){
 let alongEdge=direction*BokehEdgeLength(edge,polygon);
-let along=alongEdge/f32(onEdge);
+let along=alongEdge/f32(ring.onEdge);
 let cell=(corner.x*along.y-corner.y*along.x)/(8.*polygon.area);
-for(var i=0;i<onEdge;i++){
+for(var i=ring.first;i<ring.end;i++){
 let upright=corner+along*(f32(i)+phase);
 let place=right*upright.x+upwards*upright.y;
 let texel=floor(place);
@@ -2397,13 +2402,30 @@ gather.front+=vec4f(pixel.rgb,1.)*inFront.x;
 gather.front+=vec4f(other.rgb,1.)*inFront.y;}
 corner+=alongEdge;
 direction=BokehRotated(direction,turn);}
-gather.inner=outer;
 return gather;}
-fn BokehGatherTo(before:BokehGather,MapSamp:texture_2d<f32>,ring:i32,density:i32,end:f32,rings:BokehRingLayout,polygon:BokehPolygon,layers:BokehLayerContext,BokehLinearClamp:sampler)->BokehGather{
+fn BokehGatherInnerRing(before:BokehGather,MapSamp:texture_2d<f32>,number:i32,rings:BokehRingLayout,polygon:BokehPolygon,layers:BokehLayerContext,BokehLinearClamp:sampler)->BokehGather{
 var gather=before;
-let outer=min(BokehRingBorder(ring,rings),end);
-if(ring<=BOKEH_LAYER_RINGS+1&&gather.inner<outer){
-gather=BokehGatherRing(gather,MapSamp,ring,BokehSamplesPerEdge(max(min(density,BOKEH_LAYER_RINGS),1),polygon),outer,polygon,layers,BokehLinearClamp);}
+let ring=BokehMakeRing(number,number,rings,polygon);
+if(number<=BOKEH_LAYER_RINGS&&gather.inner<ring.outer){
+gather=BokehGatherRing(gather,MapSamp,ring,polygon,layers,BokehLinearClamp);
+gather.inner=ring.outer;}
+return gather;}
+fn BokehGatherLastRing(before:BokehGather,MapSamp:texture_2d<f32>,isDense:bool,rings:BokehRingLayout,polygon:BokehPolygon,layers:BokehLayerContext,BokehLinearClamp:sampler)->BokehGather{
+var gather=before;
+var ring=BokehMakeRing(BOKEH_LAYER_RINGS+1,1,rings,polygon);
+let few=ring.onEdge;
+var many=few;
+if(BOKEH_LAYER_RINGS>1){
+many=BokehSamplesPerEdge(BOKEH_LAYER_RINGS,polygon);}
+if(gather.inner<ring.outer){
+if(isDense){
+ring.onEdge=many;}
+gather=BokehGatherRing(gather,MapSamp,ring,polygon,layers,BokehLinearClamp);
+if(isDense&&many>few){
+ring.first=few;
+ring.end=many;
+gather=BokehGatherRing(gather,MapSamp,ring,polygon,layers,BokehLinearClamp);}
+gather.inner=ring.outer;}
 return gather;}
 fn BokehOutline(MapSamp:texture_2d<f32>,center:vec2f,pixel:vec4f,farColor:vec3f,farSlope:f32,layers:BokehLayerContext,BokehLinearClamp:sampler)->vec3f{
 let full=BokehFullGrid(layers);
@@ -2480,27 +2502,22 @@ gather.farFound=weight*farWeight;
 gather.sum=vec4f(vec4f((vec4f(centerPixel.rgb,1.)))*(weight-gather.farFound));
 gather.front=vec4f(0.);
 gather.snapping=max(tile.r,tile.g-16.);
-var lastInner=radius;
-if(rings>denseRings){
-lastInner=min(BokehRingBorder(BOKEH_LAYER_RINGS,ringLayout),radius);}
 if(BOKEH_SIDES>0){
-if(BOKEH_LAYER_RINGS>0){
-gather=BokehGatherTo(gather,MapSamp,1,1,lastInner,ringLayout,polygon,layers,BokehLinearClamp);}
-if(BOKEH_LAYER_RINGS>1){
-gather=BokehGatherTo(gather,MapSamp,2,2,lastInner,ringLayout,polygon,layers,BokehLinearClamp);
-gather=BokehGatherTo(gather,MapSamp,3,3,lastInner,ringLayout,polygon,layers,BokehLinearClamp);
-gather=BokehGatherTo(gather,MapSamp,4,4,lastInner,ringLayout,polygon,layers,BokehLinearClamp);
-gather=BokehGatherTo(gather,MapSamp,5,5,lastInner,ringLayout,polygon,layers,BokehLinearClamp);}
-gather=BokehGatherTo(gather,MapSamp,BOKEH_LAYER_RINGS+1,1,radius,ringLayout,polygon,layers,BokehLinearClamp);}
+gather=BokehGatherInnerRing(gather,MapSamp,1,ringLayout,polygon,layers,BokehLinearClamp);
+gather=BokehGatherInnerRing(gather,MapSamp,2,ringLayout,polygon,layers,BokehLinearClamp);
+gather=BokehGatherInnerRing(gather,MapSamp,3,ringLayout,polygon,layers,BokehLinearClamp);
+gather=BokehGatherInnerRing(gather,MapSamp,4,ringLayout,polygon,layers,BokehLinearClamp);
+gather=BokehGatherLastRing(gather,MapSamp,hasFreeFetches,ringLayout,polygon,layers,BokehLinearClamp);}
 else{
-for(var ring=1;ring<=BOKEH_LAYER_RINGS+1;ring++){
+for(var number=1;number<=BOKEH_LAYER_RINGS+1;number++){
 if(gather.inner>=radius){
 break;}
-var density=max(min(ring,BOKEH_LAYER_RINGS),1);
-if(f32(ring)>denseRings){
+var density=max(min(number,BOKEH_LAYER_RINGS),1);
+if(f32(number)>denseRings){
 density=1;}
-let outer=min(BokehRingBorder(ring,ringLayout),radius);
-gather=BokehGatherRing(gather,MapSamp,ring,BokehSamplesPerEdge(density,polygon),outer,polygon,layers,BokehLinearClamp);}}
+let ring=BokehMakeRing(number,density,ringLayout,polygon);
+gather=BokehGatherRing(gather,MapSamp,ring,polygon,layers,BokehLinearClamp);
+gather.inner=ring.outer;}}
 var farLayer=vec4f(0.);
 var farReach=tile.g;
 if(BOKEH_SIDES==0){

@@ -1631,21 +1631,39 @@ converted = min(converted, BokehHalf4(8000.0, 8000.0, 8000.0, 8000.0));
 }
 return converted;
 }
-fn BokehGatherRing(before: BokehGather, MapSamp: texture_2d<f32>, ring: i32, onEdge: i32,
-outer: f32, polygon: BokehPolygon, layers: BokehLayerContext,
-BokehLinearClamp: sampler) -> BokehGather
+struct BokehRing
+{
+number: i32,
+onEdge: i32,
+first: i32,
+end: i32,
+outer: f32,
+}
+fn BokehMakeRing(number: i32, density: i32, rings: BokehRingLayout,
+polygon: BokehPolygon) -> BokehRing
+{
+var ring: BokehRing;
+ring.number = number;
+ring.onEdge = BokehSamplesPerEdge(density, polygon);
+ring.first = 0;
+ring.end = ring.onEdge;
+ring.outer = min(BokehRingBorder(number, rings), rings.radius);
+return ring;
+}
+fn BokehGatherRing(before: BokehGather, MapSamp: texture_2d<f32>, ring: BokehRing,
+polygon: BokehPolygon, layers: BokehLayerContext, BokehLinearClamp: sampler) -> BokehGather
 {
 var gather: BokehGather = before;
 let full: BokehGrid = BokehFullGrid(layers);
 let zero: vec2f = vec2f(0.0, 0.0);
 let one: vec2f = vec2f(1.0, 1.0);
 let outwards: f32 = BOKEH_TUNED_RING_POSITION - BOKEH_TUNED_RING_STEP * f32(BOKEH_LAYER_RINGS);
-let current: f32 = gather.inner + (outer - gather.inner) * outwards;
+let current: f32 = gather.inner + (ring.outer - gather.inner) * outwards;
 let innerSquare: f32 = gather.inner * gather.inner;
-let area: f32 = outer * outer - innerSquare;
+let area: f32 = ring.outer * ring.outer - innerSquare;
 let ownCovers: f32 = max(min(1.0 - innerSquare * gather.inverse, area * gather.inverse), 0.0);
-var phase: f32 = layers.jitter * clamp(current / f32(ring) - 1.0, 0.0, 1.0);
-if (ring != 2)
+var phase: f32 = layers.jitter * clamp(current / f32(ring.number) - 1.0, 0.0, 1.0);
+if (ring.number != 2)
 {
 phase += 0.5;
 }
@@ -1657,9 +1675,9 @@ var direction: vec2f = vec2f(-turn.y, turn.x) * 2.0;
 for (var edge: i32 = 1; edge <= polygon.sides / 2; edge++)
 {
 let alongEdge: vec2f = direction * BokehEdgeLength(edge, polygon);
-let along: vec2f = alongEdge / f32(onEdge);
+let along: vec2f = alongEdge / f32(ring.onEdge);
 let cell: f32 = (corner.x * along.y - corner.y * along.x) / (8.0 * polygon.area);
-for (var i: i32 = 0; i < onEdge; i++)
+for (var i: i32 = ring.first; i < ring.end; i++)
 {
 let upright: vec2f = corner + along * (f32(i) + phase);
 let place: vec2f = right * upright.x + upwards * upright.y;
@@ -1690,19 +1708,47 @@ gather.front += BokehHalf4(other.rgb, 1.0) * inFront.y;
 corner += alongEdge;
 direction = BokehRotated(direction, turn);
 }
-gather.inner = outer;
 return gather;
 }
-fn BokehGatherTo(before: BokehGather, MapSamp: texture_2d<f32>, ring: i32, density: i32, end: f32,
+fn BokehGatherInnerRing(before: BokehGather, MapSamp: texture_2d<f32>, number: i32,
 rings: BokehRingLayout, polygon: BokehPolygon, layers: BokehLayerContext,
 BokehLinearClamp: sampler) -> BokehGather
 {
 var gather: BokehGather = before;
-let outer: f32 = min(BokehRingBorder(ring, rings), end);
-if (ring <= BOKEH_LAYER_RINGS + 1 && gather.inner < outer)
+let ring: BokehRing = BokehMakeRing(number, number, rings, polygon);
+if (number <= BOKEH_LAYER_RINGS && gather.inner < ring.outer)
 {
-gather = BokehGatherRing(gather, MapSamp, ring, BokehSamplesPerEdge(max(min(density,
-BOKEH_LAYER_RINGS), 1), polygon), outer, polygon, layers, BokehLinearClamp);
+gather = BokehGatherRing(gather, MapSamp, ring, polygon, layers, BokehLinearClamp);
+gather.inner = ring.outer;
+}
+return gather;
+}
+fn BokehGatherLastRing(before: BokehGather, MapSamp: texture_2d<f32>, isDense: bool,
+rings: BokehRingLayout, polygon: BokehPolygon, layers: BokehLayerContext,
+BokehLinearClamp: sampler) -> BokehGather
+{
+var gather: BokehGather = before;
+var ring: BokehRing = BokehMakeRing(BOKEH_LAYER_RINGS + 1, 1, rings, polygon);
+let few: i32 = ring.onEdge;
+var many: i32 = few;
+if (BOKEH_LAYER_RINGS > 1)
+{
+many = BokehSamplesPerEdge(BOKEH_LAYER_RINGS, polygon);
+}
+if (gather.inner < ring.outer)
+{
+if (isDense)
+{
+ring.onEdge = many;
+}
+gather = BokehGatherRing(gather, MapSamp, ring, polygon, layers, BokehLinearClamp);
+if (isDense && many > few)
+{
+ring.first = few;
+ring.end = many;
+gather = BokehGatherRing(gather, MapSamp, ring, polygon, layers, BokehLinearClamp);
+}
+gather.inner = ring.outer;
 }
 return gather;
 }
@@ -1813,48 +1859,36 @@ gather.sum = BokehHalf4(vec4f(BokehHalfTexel(vec4f(centerPixel.rgb, 1.0))) *
 (weight - gather.farFound));
 gather.front = BokehHalf4(0.0, 0.0, 0.0, 0.0);
 gather.snapping = max(tile.r, tile.g - 16.0);
-var lastInner: f32 = radius;
-if (rings > denseRings)
-{
-lastInner = min(BokehRingBorder(BOKEH_LAYER_RINGS, ringLayout), radius);
-}
 if (BOKEH_SIDES > 0)
 {
-if (BOKEH_LAYER_RINGS > 0)
-{
-gather = BokehGatherTo(gather, MapSamp, 1, 1, lastInner, ringLayout, polygon,
+gather = BokehGatherInnerRing(gather, MapSamp, 1, ringLayout, polygon, layers,
+BokehLinearClamp);
+gather = BokehGatherInnerRing(gather, MapSamp, 2, ringLayout, polygon, layers,
+BokehLinearClamp);
+gather = BokehGatherInnerRing(gather, MapSamp, 3, ringLayout, polygon, layers,
+BokehLinearClamp);
+gather = BokehGatherInnerRing(gather, MapSamp, 4, ringLayout, polygon, layers,
+BokehLinearClamp);
+gather = BokehGatherLastRing(gather, MapSamp, hasFreeFetches, ringLayout, polygon,
 layers, BokehLinearClamp);
-}
-if (BOKEH_LAYER_RINGS > 1)
-{
-gather = BokehGatherTo(gather, MapSamp, 2, 2, lastInner, ringLayout, polygon,
-layers, BokehLinearClamp);
-gather = BokehGatherTo(gather, MapSamp, 3, 3, lastInner, ringLayout, polygon,
-layers, BokehLinearClamp);
-gather = BokehGatherTo(gather, MapSamp, 4, 4, lastInner, ringLayout, polygon,
-layers, BokehLinearClamp);
-gather = BokehGatherTo(gather, MapSamp, 5, 5, lastInner, ringLayout, polygon,
-layers, BokehLinearClamp);
-}
-gather = BokehGatherTo(gather, MapSamp, BOKEH_LAYER_RINGS + 1, 1, radius, ringLayout,
-polygon, layers, BokehLinearClamp);
 }
 else
 {
-for (var ring: i32 = 1; ring <= BOKEH_LAYER_RINGS + 1; ring++)
+for (var number: i32 = 1; number <= BOKEH_LAYER_RINGS + 1; number++)
 {
 if (gather.inner >= radius)
 {
 break;
 }
-var density: i32 = max(min(ring, BOKEH_LAYER_RINGS), 1);
-if (f32(ring) > denseRings)
+var density: i32 = max(min(number, BOKEH_LAYER_RINGS), 1);
+if (f32(number) > denseRings)
 {
 density = 1;
 }
-let outer: f32 = min(BokehRingBorder(ring, ringLayout), radius);
-gather = BokehGatherRing(gather, MapSamp, ring, BokehSamplesPerEdge(density,
-polygon), outer, polygon, layers, BokehLinearClamp);
+let ring: BokehRing = BokehMakeRing(number, density, ringLayout, polygon);
+gather = BokehGatherRing(gather, MapSamp, ring, polygon, layers,
+BokehLinearClamp);
+gather.inner = ring.outer;
 }
 }
 var farLayer: vec4f = vec4f(0.0, 0.0, 0.0, 0.0);

@@ -1707,20 +1707,38 @@ converted = min(converted, BOKEH_TO_HALF4(8000.0, 8000.0, 8000.0, 8000.0));
 }
 return converted;
 }
-BokehGather BokehGatherRing(BokehGather before, BOKEH_TEXTURE MapSamp, int ring, int onEdge,
-float outer, BokehPolygon polygon, BokehLayerContext layers)
+struct BokehRing
+{
+int number;
+int onEdge;
+int first;
+int end;
+float outer;
+};
+BokehRing BokehMakeRing(int number, int density, BokehRingLayout rings, BokehPolygon polygon)
+{
+BokehRing ring;
+ring.number = number;
+ring.onEdge = BokehSamplesPerEdge(density, polygon);
+ring.first = 0;
+ring.end = ring.onEdge;
+ring.outer = min(BokehRingBorder(number, rings), rings.radius);
+return ring;
+}
+BokehGather BokehGatherRing(BokehGather before, BOKEH_TEXTURE MapSamp, BokehRing ring,
+BokehPolygon polygon, BokehLayerContext layers)
 {
 BokehGather gather = before;
 BokehGrid full = BokehFullGrid(layers);
 vec2 zero = vec2(0.0, 0.0);
 vec2 one = vec2(1.0, 1.0);
 float outwards = BOKEH_TUNED_RING_POSITION - BOKEH_TUNED_RING_STEP * float(BOKEH_LAYER_RINGS);
-float current = gather.inner + (outer - gather.inner) * outwards;
+float current = gather.inner + (ring.outer - gather.inner) * outwards;
 float innerSquare = gather.inner * gather.inner;
-float area = outer * outer - innerSquare;
+float area = ring.outer * ring.outer - innerSquare;
 float ownCovers = max(min(1.0 - innerSquare * gather.inverse, area * gather.inverse), 0.0);
-float phase = layers.jitter * clamp(current / float(ring) - 1.0, 0.0, 1.0);
-if (ring != 2)
+float phase = layers.jitter * clamp(current / float(ring.number) - 1.0, 0.0, 1.0);
+if (ring.number != 2)
 {
 phase += 0.5;
 }
@@ -1732,9 +1750,9 @@ vec2 direction = vec2(-turn.y, turn.x) * 2.0;
 for (int edge = 1; edge <= polygon.sides / 2; edge++)
 {
 vec2 alongEdge = direction * BokehEdgeLength(edge, polygon);
-vec2 along = alongEdge / float(onEdge);
+vec2 along = alongEdge / float(ring.onEdge);
 float cell = (corner.x * along.y - corner.y * along.x) / (8.0 * polygon.area);
-for (int i = 0; i < onEdge; i++)
+for (int i = ring.first; i < ring.end; i++)
 {
 vec2 upright = corner + along * (float(i) + phase);
 vec2 place = right * upright.x + upwards * upright.y;
@@ -1765,18 +1783,45 @@ gather.front += BOKEH_TO_HALF4(other.rgb, 1.0) * inFront.y;
 corner += alongEdge;
 direction = BokehRotated(direction, turn);
 }
-gather.inner = outer;
 return gather;
 }
-BokehGather BokehGatherTo(BokehGather before, BOKEH_TEXTURE MapSamp, int ring, int density,
-float end, BokehRingLayout rings, BokehPolygon polygon, BokehLayerContext layers)
+BokehGather BokehGatherInnerRing(BokehGather before, BOKEH_TEXTURE MapSamp, int number,
+BokehRingLayout rings, BokehPolygon polygon, BokehLayerContext layers)
 {
 BokehGather gather = before;
-float outer = min(BokehRingBorder(ring, rings), end);
-if (ring <= BOKEH_LAYER_RINGS + 1 && gather.inner < outer)
+BokehRing ring = BokehMakeRing(number, number, rings, polygon);
+if (number <= BOKEH_LAYER_RINGS && gather.inner < ring.outer)
 {
-gather = BokehGatherRing(gather, MapSamp, ring, BokehSamplesPerEdge(max(min(density,
-BOKEH_LAYER_RINGS), 1), polygon), outer, polygon, layers);
+gather = BokehGatherRing(gather, MapSamp, ring, polygon, layers);
+gather.inner = ring.outer;
+}
+return gather;
+}
+BokehGather BokehGatherLastRing(BokehGather before, BOKEH_TEXTURE MapSamp, bool isDense,
+BokehRingLayout rings, BokehPolygon polygon, BokehLayerContext layers)
+{
+BokehGather gather = before;
+BokehRing ring = BokehMakeRing(BOKEH_LAYER_RINGS + 1, 1, rings, polygon);
+int few = ring.onEdge;
+int many = few;
+if (BOKEH_LAYER_RINGS > 1)
+{
+many = BokehSamplesPerEdge(BOKEH_LAYER_RINGS, polygon);
+}
+if (gather.inner < ring.outer)
+{
+if (isDense)
+{
+ring.onEdge = many;
+}
+gather = BokehGatherRing(gather, MapSamp, ring, polygon, layers);
+if (isDense && many > few)
+{
+ring.first = few;
+ring.end = many;
+gather = BokehGatherRing(gather, MapSamp, ring, polygon, layers);
+}
+gather.inner = ring.outer;
 }
 return gather;
 }
@@ -1883,48 +1928,31 @@ gather.sum = BOKEH_TO_HALF4(vec4(BokehHalfTexel(vec4(centerPixel.rgb, 1.0))) *
 (weight - gather.farFound));
 gather.front = BOKEH_TO_HALF4(0.0, 0.0, 0.0, 0.0);
 gather.snapping = max(tile.r, tile.g - 16.0);
-float lastInner = radius;
-if (rings > denseRings)
-{
-lastInner = min(BokehRingBorder(BOKEH_LAYER_RINGS, ringLayout), radius);
-}
 if (BOKEH_SIDES > 0)
 {
-if (BOKEH_LAYER_RINGS > 0)
-{
-gather = BokehGatherTo(gather, MapSamp, 1, 1, lastInner, ringLayout, polygon,
+gather = BokehGatherInnerRing(gather, MapSamp, 1, ringLayout, polygon, layers);
+gather = BokehGatherInnerRing(gather, MapSamp, 2, ringLayout, polygon, layers);
+gather = BokehGatherInnerRing(gather, MapSamp, 3, ringLayout, polygon, layers);
+gather = BokehGatherInnerRing(gather, MapSamp, 4, ringLayout, polygon, layers);
+gather = BokehGatherLastRing(gather, MapSamp, hasFreeFetches, ringLayout, polygon,
 layers);
-}
-if (BOKEH_LAYER_RINGS > 1)
-{
-gather = BokehGatherTo(gather, MapSamp, 2, 2, lastInner, ringLayout, polygon,
-layers);
-gather = BokehGatherTo(gather, MapSamp, 3, 3, lastInner, ringLayout, polygon,
-layers);
-gather = BokehGatherTo(gather, MapSamp, 4, 4, lastInner, ringLayout, polygon,
-layers);
-gather = BokehGatherTo(gather, MapSamp, 5, 5, lastInner, ringLayout, polygon,
-layers);
-}
-gather = BokehGatherTo(gather, MapSamp, BOKEH_LAYER_RINGS + 1, 1, radius, ringLayout,
-polygon, layers);
 }
 else
 {
-for (int ring = 1; ring <= BOKEH_LAYER_RINGS + 1; ring++)
+for (int number = 1; number <= BOKEH_LAYER_RINGS + 1; number++)
 {
 if (gather.inner >= radius)
 {
 break;
 }
-int density = max(min(ring, BOKEH_LAYER_RINGS), 1);
-if (float(ring) > denseRings)
+int density = max(min(number, BOKEH_LAYER_RINGS), 1);
+if (float(number) > denseRings)
 {
 density = 1;
 }
-float outer = min(BokehRingBorder(ring, ringLayout), radius);
-gather = BokehGatherRing(gather, MapSamp, ring, BokehSamplesPerEdge(density,
-polygon), outer, polygon, layers);
+BokehRing ring = BokehMakeRing(number, density, ringLayout, polygon);
+gather = BokehGatherRing(gather, MapSamp, ring, polygon, layers);
+gather.inner = ring.outer;
 }
 }
 vec4 farLayer = vec4(0.0, 0.0, 0.0, 0.0);

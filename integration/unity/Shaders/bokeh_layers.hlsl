@@ -1288,12 +1288,37 @@ BOKEH_HALF4 BokehHalfTexel(float4 texel)
     return converted;
 }
 
-// Layers: gathers one more ring
-//   onEdge        samples on an edge; if they and the polygon's sides are literals, compilers
-//                 unroll both loops
+// Layers: says which samples of a ring are gathered
+//   number        of the ring; ring 1 lies around the inner disc
+//   onEdge        samples that the ring has on each edge of the polygon
+//   first, end    the samples of each edge that are gathered: from first to end - 1
 //   outer         where the ring ends, pixels
-BokehGather BokehGatherRing(BokehGather before, BOKEH_TEXTURE MapSamp, int ring, int onEdge,
-    float outer, BokehPolygon polygon, BokehLayerContext layers BOKEH_SAMPLER)
+struct BokehRing
+{
+    int number;
+    int onEdge;
+    int first;
+    int end;
+    float outer;
+};
+
+// Layers: returns a ring of the gather with all its samples
+//   density       number of the ring whose number of samples it takes
+BokehRing BokehMakeRing(int number, int density, BokehRingLayout rings, BokehPolygon polygon)
+{
+    BokehRing ring;
+    ring.number = number;
+    ring.onEdge = BokehSamplesPerEdge(density, polygon);
+    ring.first = 0;
+    ring.end = ring.onEdge;
+    ring.outer = min(BokehRingBorder(number, rings), rings.radius);
+    return ring;
+}
+
+// Layers: gathers samples of a ring, which begins at `inner` of the gather
+//   If first and end of the ring and the polygon's sides are literals, compilers unroll both loops.
+BokehGather BokehGatherRing(BokehGather before, BOKEH_TEXTURE MapSamp, BokehRing ring,
+    BokehPolygon polygon, BokehLayerContext layers BOKEH_SAMPLER)
 {
     //   |-----|--.--|--.--|     weight of a sample: the part of its ring that its own disc covers,
     //   disc    1     2         divided by the area of that disc
@@ -1302,13 +1327,13 @@ BokehGather BokehGatherRing(BokehGather before, BOKEH_TEXTURE MapSamp, int ring,
     float2 zero = float2(0.0, 0.0);
     float2 one = float2(1.0, 1.0);
     float outwards = BOKEH_TUNED_RING_POSITION - BOKEH_TUNED_RING_STEP * float(BOKEH_LAYER_RINGS);
-    float current = gather.inner + (outer - gather.inner) * outwards;
+    float current = gather.inner + (ring.outer - gather.inner) * outwards;
     float innerSquare = gather.inner * gather.inner;
-    float area = outer * outer - innerSquare;
+    float area = ring.outer * ring.outer - innerSquare;
     // the same of this pixel's disc, for samples behind its surface
     float ownCovers = max(min(1.0 - innerSquare * gather.inverse, area * gather.inverse), 0.0);
-    float phase = layers.jitter * clamp(current / float(ring) - 1.0, 0.0, 1.0);
-    if (ring != 2)
+    float phase = layers.jitter * clamp(current / float(ring.number) - 1.0, 0.0, 1.0);
+    if (ring.number != 2)
     {
         // all rings but the second are rotated by half a step, so that those beside it fill its
         // gaps
@@ -1324,10 +1349,10 @@ BokehGather BokehGatherRing(BokehGather before, BOKEH_TEXTURE MapSamp, int ring,
     BOKEH_LOOP for (int edge = 1; edge <= polygon.sides / 2; edge++)
     {
         float2 alongEdge = direction * BokehEdgeLength(edge, polygon);
-        float2 along = alongEdge / float(onEdge);
+        float2 along = alongEdge / float(ring.onEdge);
         // each edge stands for the triangle from the centre to it
         float cell = (corner.x * along.y - corner.y * along.x) / (8.0 * polygon.area);
-        BOKEH_LOOP for (int i = 0; i < onEdge; i++)
+        BOKEH_LOOP for (int i = ring.first; i < ring.end; i++)
         {
             float2 upright = corner + along * (float(i) + phase);
             float2 place = right * upright.x + upwards * upright.y;
@@ -1360,22 +1385,53 @@ BokehGather BokehGatherRing(BokehGather before, BOKEH_TEXTURE MapSamp, int ring,
         corner += alongEdge;
         direction = BokehRotated(direction, turn);
     }
-    gather.inner = outer;
     return gather;
 }
 
-// Layers: gathers one more ring, if there is one between the gather so far and its end
-//   density       number of the ring whose number of samples is taken
-//   end           pixels
-BokehGather BokehGatherTo(BokehGather before, BOKEH_TEXTURE MapSamp, int ring, int density,
-    float end, BokehRingLayout rings, BokehPolygon polygon, BokehLayerContext layers BOKEH_SAMPLER)
+// Layers: gathers a ring before the last one, if the preset has it and it begins inside the gather
+//   number        of the ring: 1 .. BOKEH_LAYER_RINGS
+BokehGather BokehGatherInnerRing(BokehGather before, BOKEH_TEXTURE MapSamp, int number,
+    BokehRingLayout rings, BokehPolygon polygon, BokehLayerContext layers BOKEH_SAMPLER)
 {
     BokehGather gather = before;
-    float outer = min(BokehRingBorder(ring, rings), end);
-    if (ring <= BOKEH_LAYER_RINGS + 1 && gather.inner < outer)
+    BokehRing ring = BokehMakeRing(number, number, rings, polygon);
+    if (number <= BOKEH_LAYER_RINGS && gather.inner < ring.outer)
     {
-        gather = BokehGatherRing(gather, MapSamp, ring, BokehSamplesPerEdge(max(min(density,
-            BOKEH_LAYER_RINGS), 1), polygon), outer, polygon, layers BOKEH_LINEAR);
+        gather = BokehGatherRing(gather, MapSamp, ring, polygon, layers BOKEH_LINEAR);
+        gather.inner = ring.outer;
+    }
+    return gather;
+}
+
+// Layers: gathers the last ring, number BOKEH_LAYER_RINGS + 1, if it begins inside the gather
+//   isDense       true: it has as many samples as the ring before it; false: as few as ring 1
+BokehGather BokehGatherLastRing(BokehGather before, BOKEH_TEXTURE MapSamp, bool isDense,
+    BokehRingLayout rings, BokehPolygon polygon, BokehLayerContext layers BOKEH_SAMPLER)
+{
+    BokehGather gather = before;
+    BokehRing ring = BokehMakeRing(BOKEH_LAYER_RINGS + 1, 1, rings, polygon);
+    int few = ring.onEdge;
+    int many = few;
+    if (BOKEH_LAYER_RINGS > 1)
+    {
+        many = BokehSamplesPerEdge(BOKEH_LAYER_RINGS, polygon);
+    }
+    if (gather.inner < ring.outer)
+    {
+        // A dense ring takes its samples in two calls. A sparse one shares the first of them, so
+        // that the program does not contain the code of both rings.
+        if (isDense)
+        {
+            ring.onEdge = many;
+        }
+        gather = BokehGatherRing(gather, MapSamp, ring, polygon, layers BOKEH_LINEAR);
+        if (isDense && many > few)
+        {
+            ring.first = few;
+            ring.end = many;
+            gather = BokehGatherRing(gather, MapSamp, ring, polygon, layers BOKEH_LINEAR);
+        }
+        gather.inner = ring.outer;
     }
     return gather;
 }
@@ -1536,52 +1592,37 @@ float4 BokehComposite(BOKEH_TEXTURE MapSamp, BOKEH_TEXTURE GatherTilesSamp, BOKE
         // the wider a layer's blur here, the closer samples move to the nearest texel: between a
         // near light and the surface behind it, the linear filter would find a light in focus
         gather.snapping = max(tile.r, tile.g - 16.0);
-        // where the last ring of a wide gather begins, the one with few samples
-        float lastInner = radius;
-        if (rings > denseRings)
-        {
-            lastInner = min(BokehRingBorder(BOKEH_LAYER_RINGS, ringLayout), radius);
-        }
         if (BOKEH_SIDES > 0)
         {
             // each ring has a call of its own: its number of samples is then known, and compilers
-            // unroll its loops; up to a preset of one ring, the last call takes the additional one
-            if (BOKEH_LAYER_RINGS > 0)
-            {
-                gather = BokehGatherTo(gather, MapSamp, 1, 1, lastInner, ringLayout, polygon,
-                    layers BOKEH_LINEAR);
-            }
-            if (BOKEH_LAYER_RINGS > 1)
-            {
-                gather = BokehGatherTo(gather, MapSamp, 2, 2, lastInner, ringLayout, polygon,
-                    layers BOKEH_LINEAR);
-                gather = BokehGatherTo(gather, MapSamp, 3, 3, lastInner, ringLayout, polygon,
-                    layers BOKEH_LINEAR);
-                gather = BokehGatherTo(gather, MapSamp, 4, 4, lastInner, ringLayout, polygon,
-                    layers BOKEH_LINEAR);
-                gather = BokehGatherTo(gather, MapSamp, 5, 5, lastInner, ringLayout, polygon,
-                    layers BOKEH_LINEAR);
-            }
-            // the last ring of a wide gather, with few samples
-            gather = BokehGatherTo(gather, MapSamp, BOKEH_LAYER_RINGS + 1, 1, radius, ringLayout,
-                polygon, layers BOKEH_LINEAR);
+            // unroll its loops
+            gather = BokehGatherInnerRing(gather, MapSamp, 1, ringLayout, polygon,
+                layers BOKEH_LINEAR);
+            gather = BokehGatherInnerRing(gather, MapSamp, 2, ringLayout, polygon,
+                layers BOKEH_LINEAR);
+            gather = BokehGatherInnerRing(gather, MapSamp, 3, ringLayout, polygon,
+                layers BOKEH_LINEAR);
+            gather = BokehGatherInnerRing(gather, MapSamp, 4, ringLayout, polygon,
+                layers BOKEH_LINEAR);
+            gather = BokehGatherLastRing(gather, MapSamp, hasFreeFetches, ringLayout, polygon,
+                layers BOKEH_LINEAR);
         }
         else
         {
-            BOKEH_LOOP for (int ring = 1; ring <= BOKEH_LAYER_RINGS + 1; ring++)
+            BOKEH_LOOP for (int number = 1; number <= BOKEH_LAYER_RINGS + 1; number++)
             {
                 if (gather.inner >= radius)
                 {
                     break;
                 }
-                int density = max(min(ring, BOKEH_LAYER_RINGS), 1);
-                if (float(ring) > denseRings)
+                int density = max(min(number, BOKEH_LAYER_RINGS), 1);
+                if (float(number) > denseRings)
                 {
                     density = 1;
                 }
-                float outer = min(BokehRingBorder(ring, ringLayout), radius);
-                gather = BokehGatherRing(gather, MapSamp, ring, BokehSamplesPerEdge(density,
-                    polygon), outer, polygon, layers BOKEH_LINEAR);
+                BokehRing ring = BokehMakeRing(number, density, ringLayout, polygon);
+                gather = BokehGatherRing(gather, MapSamp, ring, polygon, layers BOKEH_LINEAR);
+                gather.inner = ring.outer;
             }
         }
 

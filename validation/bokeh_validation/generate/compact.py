@@ -21,6 +21,8 @@ OPTIONS = (
     (r"\bBokehHalf(\d)\b", r"vec\1f"),
     (r"^#define BOKEH_TEXTURE sampler2D\n", ""),
     (r"\bBOKEH_TEXTURE\b", "sampler2D"),
+    (r"^ +if \(BOKEH_VIEWPORT > 0\)\n +\{\n(?s:.*?)^ +\}\n", ""),
+    (r"^(?:vec4|var<private>) BokehViewport.*\n", ""),
 )
 
 
