@@ -59,6 +59,8 @@ public class BokehFilter extends Filter {
     private float fStop = 2.8f, bokehScale = 10.0f;
     private float focusDistance = 5f;
     private float rotation;
+    private float nearScale = 1f, nearMaxCoC = 1f;
+    private float farScale = 1f, farMaxCoC = 1f;
 
     private Spatial focusScene;
     private Vector2f[] focusPoints = {};
@@ -88,6 +90,23 @@ public class BokehFilter extends Filter {
     /** Rotates the polygon, clockwise on the screen, radians. */
     public void setRotation(float radians) {
         rotation = radians;
+    }
+
+    /**
+     * Changes the blur in front of the focus distance. It has no effect on the tables of {@code paper}.
+     *
+     * @param scale factor of the blur; 0 turns it off
+     * @param maxCoC largest diameter of the blur, fraction of the image height; 1 sets no limit of its own
+     */
+    public void setNearBlur(float scale, float maxCoC) {
+        nearScale = scale;
+        nearMaxCoC = maxCoC;
+    }
+
+    /** Changes the blur behind the focus distance, as {@link #setNearBlur} does in front of it. */
+    public void setFarBlur(float scale, float maxCoC) {
+        farScale = scale;
+        farMaxCoC = maxCoC;
     }
 
     /** A depth along the view axis, metres. Ends the autofocus. */
@@ -158,6 +177,10 @@ public class BokehFilter extends Filter {
             material.setFloat("FocalLength", focalLength);
             material.setFloat("ApertureDiameter", focalLength / fStop * bokehScale);
             material.setFloat("FocusDistance", focusDistance);
+            material.setFloat("NearScale", nearScale);
+            material.setFloat("FarScale", farScale);
+            material.setFloat("NearMaxCoC", nearMaxCoC);
+            material.setFloat("FarMaxCoC", farMaxCoC);
             material.setFloat("Near", camera.getFrustumNear());
             material.setFloat("Far", camera.getFrustumFar());
         }

@@ -37,9 +37,12 @@ public class Capture extends Sample {
             shot("exact-octagon", Apertures.EXACT_OCTAGON),
             shot("paper-hexagon", Apertures.PAPER_HEXAGON),
             shot("paper-octagon", Apertures.PAPER_OCTAGON),
+            shot("layered-hexagon-focused", BokehFilter.HEXAGON),
             shot("exact-octagon-rotated", Apertures.EXACT_OCTAGON),
             shot("paper-hexagon-rotated", Apertures.PAPER_HEXAGON));
     private static final float CLOCKWISE = 10f;
+    // scale and limit in front of the focus, and behind it
+    private static final float[] NEAR = {0.5f, 0.02f}, FAR = {0.75f, 0.03f};
     // frames of a pull to the ball, which is nearer than the tower
     private static final int PULLED = 12;
     // the frame with a bokeh scale of 0; the next one has no filter
@@ -79,6 +82,10 @@ public class Capture extends Sample {
         if (index < SHOTS.size()) {
             super.show(shot, index);
             bokeh.setRotation(shot.name().endsWith("rotated") ? CLOCKWISE * FastMath.DEG_TO_RAD : 0f);
+            if (shot.name().endsWith("focused")) {
+                bokeh.setNearBlur(NEAR[0], NEAR[1]);
+                bokeh.setFarBlur(FAR[0], FAR[1]);
+            }
         } else if (index == SHOTS.size()) {
             bokeh.setAutofocus(rootNode, PULL_SECONDS, Scene.TOWER, Scene.BALL);
         } else if (index == OFF) {
@@ -115,6 +122,10 @@ public class Capture extends Sample {
         }
         if (name.endsWith("rotated")) {
             more += ", \"clockwise\": " + CLOCKWISE;
+        }
+        if (name.endsWith("focused")) {
+            more += String.format(Locale.ROOT, ", \"focus\": {\"scale\": [%s, %s], \"limits\": [%s, %s]}",
+                    NEAR[0], FAR[0], NEAR[1], FAR[1]);
         }
         if (shot.table() == STORED) {
             write("depth.f32", texture("stored"), Format.R32F);

@@ -10,7 +10,10 @@ local Scene = require("scene")
 local WIDTH, HEIGHT = 285, 189
 local SHOTS = { { "layered", "hexagon", 6 }, { "layered", "octagon", 8 }, { "exact", "hexagon", 6 },
   { "exact", "octagon", 8 }, { "exact", "square", 4, "LOW" }, { "exact", "decagon", 10, "ULTRA" },
-  { "exact", "square", 4, "MEDIUM", 10 } } -- the last one rotated, degrees clockwise
+  { "exact", "square", 4, "MEDIUM", 10 }, -- rotated, degrees clockwise
+  { "layered", "hexagon", 6, "MEDIUM", nil, true } } -- with FOCUS
+-- scale and limit of the blur in front of the focus distance, and behind it
+local FOCUS = { nearScale = 0.5, farScale = 0.75, nearMaxCoC = 0.02, farMaxCoC = 0.03 }
 
 -- Text of a value as JSON; numbers are rounded to what a shader gets
 local function json(value)
@@ -70,12 +73,18 @@ return function(folder, addBokeh)
   scene:draw()
   local shots, bokeh = {}, nil
   for i, shot in ipairs(SHOTS) do
-    local method, aperture, sides, preset, clockwise = unpack(shot)
-    local name = method .. "-" .. aperture .. (clockwise and "-rotated" or "")
+    local method, aperture, sides, preset, clockwise, focused = unpack(shot, 1, 6)
+    local name = method .. "-" .. aperture .. (clockwise and "-rotated" or "") .. (focused and "-focused" or "")
     bokeh = addBokeh(scene, { method = method, sides = sides, preset = preset })
     bokeh.uniforms.rotation = math.rad(clockwise or 0)
     shots[i] = { name = name, method = method, aperture = aperture, result = name .. ".f16",
       preset = (preset or "MEDIUM"):lower(), clockwise = clockwise }
+    if focused then
+      for key, value in pairs(FOCUS) do
+        bokeh.uniforms[key] = value
+      end
+      shots[i].focus = { scale = { FOCUS.nearScale, FOCUS.farScale }, limits = { FOCUS.nearMaxCoC, FOCUS.farMaxCoC } }
+    end
     write(folder .. "/" .. name .. ".f16", bokeh:draw(scene.color, scene.depth))
     if method == "layered" then
       shots[i].written = name .. ".written"

@@ -25,7 +25,7 @@ end
 
 -- Depth of field for a scene. `options` are those of PolygonBokeh.
 local function addBokeh(scene, options)
-  local library = read("bokeh.glsl") .. read("bokeh_layers.glsl")
+  local library = read("bokeh.glsl") .. read("bokeh_layers.glsl") .. read("bokeh_lens.glsl")
   local made = PolygonBokeh.new(library, scene.color:getWidth(), scene.color:getHeight(), options)
   made:setLens(scene.fieldOfView, 1, 5) -- f/1, with a blur 5 times as wide as a real lens's
   made.uniforms.zNear, made.uniforms.zFar = scene.near, scene.far

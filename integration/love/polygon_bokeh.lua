@@ -1,6 +1,7 @@
 -- SPDX-License-Identifier: MIT
 --
--- Polygonal bokeh for LOVE 11: full-screen passes between canvases. bokeh.glsl and bokeh_layers.glsl are the rest.
+-- Polygonal bokeh for LOVE 11: full-screen passes between canvases. The shaders are bokeh.glsl, bokeh_layers.glsl and
+-- bokeh_lens.glsl.
 
 local PolygonBokeh = {}
 PolygonBokeh.__index = PolygonBokeh
@@ -8,7 +9,7 @@ PolygonBokeh.__index = PolygonBokeh
 -- A frame is a table of passes. A row has the canvases that it writes, 1 / their size, and the call, which names the
 -- canvases that it reads: docs/reference/passes.md. `color` and `depth` are the scene's; 1 is OpenGL's kind of depth. Where a row
 -- writes several canvases, the struct that the call returns follows, and its members.
-local COC_MAP = { { "coc" }, 1, "BokehSignedCoCMap(color, depth, uv, uv, imageSize, lens, 1, vec2(zNear, zFar))" }
+local COC_MAP = { { "coc" }, 1, "cocMap(color, depth, uv, lens)" }
 -- Drawn by depthAt only
 local METRES = { { "metres" }, 1, "vec4(BokehLinearDepth(BokehFetchDepth(depth, uv), 1, zNear, zFar))" }
 
@@ -124,6 +125,27 @@ uniform sampler2D $reads;
 uniform float $uniforms;
 uniform vec2 imageSize;
 
+float cocAt(sampler2D depthCanvas, vec2 uv, BokehLens lens)
+{
+    BokehFocus focus;
+    focus.sharpRange = vec2(0.0);
+    focus.sideScale = vec2(nearScale, farScale);
+    focus.sideMaxCoC = vec2(nearMaxCoC, farMaxCoC);
+    return BokehFocusedCoC(BokehLinearDepth(BokehFetchDepth(depthCanvas, uv), 1, zNear, zFar), lens, focus);
+}
+
+// BokehSignedCoCMap with a BokehFocus: a pixel next to a light takes the light's circle of confusion
+vec4 cocMap(sampler2D colorCanvas, sampler2D depthCanvas, vec2 uv, BokehLens lens)
+{
+    float coc = cocAt(depthCanvas, uv, lens);
+    vec4 neighbor = BokehBrightNeighbor(colorCanvas, uv, imageSize);
+    if (max(neighbor.z, neighbor.w) > 0.0)
+    {
+        coc = BokehLightCoC(coc, cocAt(depthCanvas, uv + neighbor.xy, lens), neighbor.zw, imageSize.y);
+    }
+    return BokehPackCoC(BokehFetchTexel(colorCanvas, uv), coc);
+}
+
 void effect()
 {
     vec2 uv = VaryingTexCoord.xy;
@@ -172,7 +194,7 @@ local function newCanvas(width, height, format)
   return canvas
 end
 
--- library  the texts of bokeh.glsl and bokeh_layers.glsl, in this order
+-- library  the texts of bokeh.glsl, bokeh_layers.glsl and bokeh_lens.glsl, in this order
 -- options  what is left out is
 --   method   "layered": near objects spread over what is behind them; "exact": each pixel by its own circle of
 --            confusion, fewer passes
@@ -186,7 +208,7 @@ function PolygonBokeh.new(library, width, height, options)
   -- screen: v grows downwards here).
   self.uniforms = {
     zNear = 0.1, zFar = 1000, apertureDiameter = 0.179, focalLength = 0.05, focusDistance = 5, sensorHeight = 0.024,
-    maxCoC = 0.1, rotation = 0, squeeze = 1,
+    maxCoC = 0.1, rotation = 0, squeeze = 1, nearScale = 1, farScale = 1, nearMaxCoC = 1, farMaxCoC = 1,
   }
   self.imageSize, self.isView = { width, height }, options.view ~= nil
   self.triangle = love.graphics.newMesh(TRIANGLE, "triangles", "static")

@@ -130,9 +130,11 @@ public:
     Uniforms uniforms = {
         {"BokehDepthKind", 1.0f}, {"BokehSensorHeight", 0.024f}, {"BokehMaxCoC", 0.1f}, {"BokehSqueeze", 1.0f},
         {"BokehBleedingBias", 0.02f}, {"BokehBleedingMult", 30.0f}, {"BokehFocusDistance", 5.0f},
+        {"BokehNearScale", 1.0f}, {"BokehFarScale", 1.0f}, {"BokehNearMaxCoC", 1.0f}, {"BokehFarMaxCoC", 1.0f},
+        {"BokehDepthWidth", 1.0f}, {"BokehDepthHeight", 1.0f},
     };
 
-    // library: the texts of bokeh.glsl, bokeh_layers.glsl and bokeh_passes.glsl, in this order
+    // library: the texts of bokeh.glsl, bokeh_layers.glsl, bokeh_lens.glsl and bokeh_passes.glsl, in this order
     PolygonBokeh(Ogre::Viewport* viewport, const std::string& library, const Frame& frame)
         : mViewport(viewport), mFrame({{"SIGNED_COC_MAP", "color", "coc", 1, {}}})
     {
@@ -358,7 +360,8 @@ private:
         if (!programs.getByName(name, GROUP))
         {
             auto program = programs.createProgram(name, GROUP, "glsl", Ogre::GPT_FRAGMENT_PROGRAM);
-            program->setSource("#version 330\n#define BOKEH_PASS BOKEH_" + entry + "\n" + library);
+            program->setSource(
+                "#version 330\n#define BOKEH_FOCUS_CONTROLS 1\n#define BOKEH_PASS BOKEH_" + entry + "\n" + library);
         }
         return name;
     }

@@ -68,16 +68,25 @@ inline void capture(const std::string& folder, Ogre::Viewport* viewport,
     Ogre::CompositorInstance* tone)
 {
     std::string shots, camera, stored, pull;
-    // degrees clockwise last
-    for (const auto& [method, aperture, sides, clockwise] : std::vector<std::tuple<std::string, std::string, int, float>>{
-             {"layered", "hexagon", 6, 0}, {"layered", "octagon", 8, 0}, {"exact", "hexagon", 6, 0},
-             {"exact", "octagon", 8, 0}, {"exact", "square", 4, 0}, {"exact", "decagon", 10, 0},
-             {"exact", "square", 4, 10}})
+    // sides, degrees clockwise, and whether the near and the far blur have scales and limits of their own
+    using Shot = std::tuple<std::string, std::string, int, float, bool>;
+    for (const auto& [method, aperture, sides, clockwise, focused] : std::vector<Shot>{
+             {"layered", "hexagon", 6, 0, true}, {"layered", "hexagon", 6, 0, false},
+             {"layered", "octagon", 8, 0, false}, {"exact", "hexagon", 6, 0, false},
+             {"exact", "octagon", 8, 0, false}, {"exact", "square", 4, 0, false}, {"exact", "decagon", 10, 0, false},
+             {"exact", "square", 4, 10, false}})
     {
-        const std::string name = method + "-" + aperture + (clockwise ? "-rotated" : "");
+        const std::string name = method + "-" + aperture + (clockwise ? "-rotated" : "") + (focused ? "-focused" : "");
         const bool layered = method == "layered";
         const auto bokeh = make(layered ? PolygonBokeh::layered(sides) : PolygonBokeh::exact(sides));
         bokeh->uniforms["BokehAngle"] = Ogre::Degree(clockwise).valueRadians();
+        if (focused)
+        {
+            bokeh->uniforms["BokehNearScale"] = 0.5f;
+            bokeh->uniforms["BokehFarScale"] = 0.75f;
+            bokeh->uniforms["BokehNearMaxCoC"] = 0.02f;
+            bokeh->uniforms["BokehFarMaxCoC"] = 0.03f;
+        }
         viewport->getTarget()->update();
         const std::string result = bytesOf(tone->getTextureInstance("picture", 0));
         write(folder + "/" + name + ".f16", result);
@@ -96,6 +105,13 @@ inline void capture(const std::string& folder, Ogre::Viewport* viewport,
             }
             write(folder + "/" + name + ".written", written + result);
             shots += ", \"written\": \"" + name + ".written\"";
+        }
+        if (focused)
+        {
+            auto& uniforms = bokeh->uniforms;
+            shots += ", \"focus\": {\"scale\": [" + number(uniforms["BokehNearScale"]) + ", " +
+                number(uniforms["BokehFarScale"]) + "], \"limits\": [" + number(uniforms["BokehNearMaxCoC"]) + ", " +
+                number(uniforms["BokehFarMaxCoC"]) + "]}";
         }
         shots += (clockwise ? ", \"clockwise\": " + number(clockwise) : "") + "}";
         write(folder + "/color.f16", bytesOf(bokeh->texture("color")));

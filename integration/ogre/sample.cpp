@@ -27,7 +27,7 @@ static std::unique_ptr<PolygonBokeh> addBokeh(Ogre::Viewport* viewport, const Og
     const PolygonBokeh::Frame& frame = PolygonBokeh::layered(6))
 {
     static const std::string library = readFile("../../glsl/bokeh.glsl") + readFile("../../glsl/bokeh_layers.glsl") +
-        readFile("../../glsl/bokeh_passes.glsl");
+        readFile("../../glsl/bokeh_lens.glsl") + readFile("../../glsl/bokeh_passes.glsl");
     auto bokeh = std::make_unique<PolygonBokeh>(viewport, library, frame);
     bokeh->setLens(viewport->getCamera(), 1.0f, 5.0f); // f/1, with a blur 5 times as wide as a real lens's
     bokeh->uniforms["BokehFocusDistance"] = PolygonBokeh::depthOf(viewport->getCamera(), subject);

@@ -129,4 +129,6 @@ def test_compositor_script(sample):
     assert (said["stage"], said["color"], said["depth"]) == (4, True, True)
     focal = 0.024 / 2.0 / tan(radians(25.0))
     assert said["parameters"][:4] == pytest.approx([focal / 2.8 * 10.0, focal, 5.0, 0.024], rel=1e-6)
-    assert said["parameters"][6:] == pytest.approx([-1.0, 0.0, 64.0, 48.0, 0.1, 6.0, 0.0, 1.0, 0.0, 0.0], rel=1e-6)
+    assert said["parameters"][6:] == pytest.approx(
+        [-1.0, 0.0, 64.0, 48.0, 0.1, 6.0, 0.0, 1.0, 1.0, 1.0, 1.0, 1.0, 0.0, 0.0], rel=1e-6
+    )

@@ -29,6 +29,8 @@ EXTENSIONS = {"vertex": "vert", "fragment": "frag"}
 # A part of market_7 whose size is not divisible by 2, 4 or 8
 PART, SIZE = (slice(200, 317), slice(300, 457)), (157, 117)
 NEAR, FAR = 0.1, 100.0
+# In front of the focus distance, and behind it
+FOCUS = methods.Focus(scale=(0.5, 0.75), limits=(0.04, 0.05))
 
 
 @cache
@@ -153,14 +155,17 @@ def test_picture(method, aperture, preset):
     color = np.dstack([scene.color[PART][..., :3], np.ones(SIZE[::-1])]).astype(np.float16)
     metres = np.clip(scene.depth[PART], 2.0 * NEAR, 0.9 * FAR).astype(np.float32)
     camera = methods.Camera(0.05 / 0.28, 0.05, 2.5, 0.024, 0.1)
-    settings = methods.Settings(method, aperture, camera=camera, preset=preset, rotation=degrees(0.3), squeeze=0.8)
+    settings = methods.Settings(
+        method, aperture, camera=camera, preset=preset, rotation=degrees(0.3), squeeze=0.8, focus=FOCUS
+    )
     plan = methods.plan(settings, SIZE)
     expected = driver.run(plan.passes, {"color": color, "depth": metres, **plan.tables}, SIZE)["result"]
     # rows z and w of Godot's projection, which puts the far plane at 0
     row = (NEAR / (FAR - NEAR), NEAR * FAR / (FAR - NEAR), -1.0, 0.0)
     stored = ((row[1] - row[0] * metres.astype(np.float64)) / metres).astype(np.float32)
     sides = methods.EXACT[aperture]
-    parameters = [0.05 / 0.28, 0.05, 2.5, 0.024, *row, *SIZE, 0.1, sides, 0.3, 0.8, 0.0, 0.0]
+    parameters = [0.05 / 0.28, 0.05, 2.5, 0.024, *row, *SIZE, 0.1, sides, 0.3, 0.8]
+    parameters += [*FOCUS.scale, *FOCUS.limits, 0.0, 0.0]
     driver.make_current()
     textures = {
         "color": driver.context.texture(SIZE, 4, color.tobytes(), alignment=1, dtype="f2"),

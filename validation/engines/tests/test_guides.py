@@ -52,6 +52,7 @@ def run(base, picture=PICTURE):
     shot.write(picture)
 ShowBase.run = run
 """
+LOVE_SHADERS = ("bokeh", "bokeh_layers", "bokeh_lens")
 LOVE = """
 love.errorhandler = function(message)
   print(debug.traceback(message))
@@ -258,7 +259,7 @@ def test_program(name, tmp_path):
     with needed(name):
         *start, _ = desktop.command(name)
         if name == "love":
-            for file in (*sample.glob("[!m]*.lua"), *map(paths.shader, ["glsl"] * 2, ["bokeh", "bokeh_layers"])):
+            for file in (*sample.glob("[!m]*.lua"), *(paths.shader("glsl", stem) for stem in LOVE_SHADERS)):
                 shutil.copy(file, tmp_path)
             (tmp_path / "main.lua").write_text(program + LOVE.replace("PICTURE", json.dumps(str(drawn))))
             process.run([*start, tmp_path], desktop.SECONDS, tmp_path)

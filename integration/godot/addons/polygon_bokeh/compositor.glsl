@@ -183,10 +183,11 @@ void main()
 
 #include "bokeh.gdshaderinc"
 #include "bokeh_layers.gdshaderinc"
+#include "bokeh_lens.gdshaderinc"
 
 layout(location = 0) in vec2 uv;
 
-// 64 bytes, as PolygonBokehEffect writes them. Metres, radians; max_coc is a fraction of the image height.
+// 80 bytes, as PolygonBokehEffect writes them. Metres, radians; max_coc is a fraction of the image height.
 layout(push_constant) uniform Parameters
 {
 	float aperture_diameter;
@@ -200,6 +201,9 @@ layout(push_constant) uniform Parameters
 	float sides;
 	float rotation;
 	float squeeze;
+	// of the blur in front of the focus distance, and behind it
+	vec2 side_scale;
+	vec2 side_max_coc;
 	vec2 unused;
 } parameters;
 
@@ -219,18 +223,26 @@ float SceneDepth(vec2 place)
 	return BokehSanitize(metres, BOKEH_MIN_DEPTH, BOKEH_MAX_DEPTH);
 }
 
-void main()
+float SceneCoC(vec2 place)
 {
 	BokehLens lens = BokehMakeLens(parameters.aperture_diameter, parameters.focal_length, parameters.focus_distance);
 	lens.sensorHeight = parameters.sensor_height;
 	lens.maxCoC = parameters.max_coc;
-	float coc = BokehSignedCoC(SceneDepth(uv), lens);
+	BokehFocus focus;
+	focus.sharpRange = vec2(0.0);
+	focus.sideScale = parameters.side_scale;
+	focus.sideMaxCoC = parameters.side_max_coc;
+	return BokehFocusedCoC(SceneDepth(place), lens, focus);
+}
+
+void main()
+{
+	float coc = SceneCoC(uv);
 	// beside a light the light's
 	vec4 neighbor = BokehBrightNeighbor(slot_0, uv, parameters.image_size);
 	if (max(neighbor.z, neighbor.w) > 0.0)
 	{
-		float light_coc = BokehSignedCoC(SceneDepth(uv + neighbor.xy), lens);
-		coc = BokehLightCoC(coc, light_coc, neighbor.zw, parameters.image_size.y);
+		coc = BokehLightCoC(coc, SceneCoC(uv + neighbor.xy), neighbor.zw, parameters.image_size.y);
 	}
 	target_0 = BokehPackCoC(BokehFetchTexel(slot_0, uv), coc);
 }

@@ -30,6 +30,12 @@ const CONTEXT := &"polygon_bokeh"
 @export_range(-360.0, 360.0, 0.1, "radians_as_degrees") var rotation := 0.0
 @export var squeeze := 1.0 ## Width of the bokeh over its height.
 
+@export_group("Near and Far Blur") # In front of the focus distance, and behind it.
+@export var near_scale := 1.0 ## Factor of the blur in front of the focus; 0 turns it off.
+@export var far_scale := 1.0 ## Factor of the blur behind the focus; 0 turns it off.
+@export_range(0.0, 1.0) var near_max_coc := 1.0 ## Largest blur in front of the focus, fraction of the image height.
+@export_range(0.0, 1.0) var far_max_coc := 1.0 ## Largest blur behind the focus, fraction of the image height.
+
 var _device: RenderingDevice
 var _file: RDShaderFile
 var _linear: RID
@@ -87,7 +93,7 @@ func _render_callback(_type: int, data: RenderData) -> void:
 			_draw(buffers, view, size, row, parameters)
 
 
-# The shader's block, 64 bytes. Godot's projection here is the one that made the depth buffer.
+# The shader's block, 80 bytes. Godot's projection here is the one that made the depth buffer.
 func _parameters(projection: Projection, size: Vector2i) -> PackedByteArray:
 	var focal_length := 0.05
 	if is_zero_approx(projection.w.w): # perspective
@@ -96,7 +102,8 @@ func _parameters(projection: Projection, size: Vector2i) -> PackedByteArray:
 		focal_length / f_stop * bokeh_scale, focal_length, focus_distance, sensor_height,
 		projection.z.z, projection.w.z, projection.z.w, projection.w.w,
 		size.x, size.y, max_coc, sides,
-		rotation, squeeze, 0.0, 0.0,
+		rotation, squeeze, near_scale, far_scale,
+		near_max_coc, far_max_coc, 0.0, 0.0,
 	]).to_byte_array()
 
 
