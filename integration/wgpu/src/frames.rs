@@ -2,25 +2,26 @@
 
 //! The passes of every method and polygon.
 
-/// One full-screen pass.
+/// Describes one full-screen pass.
 pub struct Pass {
-    /// Of `bokeh.wgsl`.
+    /// Its entry point in `bokeh.wgsl`.
     pub entry: &'static str,
-    /// A texture for each colour binding: a target of a pass before it, or "color", the image as it comes; "-": none.
+    /// The textures that it reads, one for each colour binding. Each is a target of an earlier pass, or "color", the
+    /// image before the effect. "-" leaves a binding unused.
     pub reads: &'static [&'static str],
-    /// Its targets.
+    /// The targets that it writes.
     pub writes: &'static [&'static str],
-    /// The memory of each target: those of one number are never needed at the same time.
+    /// A number for the memory of each target. Targets with the same number are never needed at the same time.
     pub memory: &'static [usize],
-    /// The targets have the size of the image divided by it, rounded up.
+    /// The targets have the image's size divided by this number, rounded up.
     pub scale: u32,
-    /// Whether it reads with a linear filter.
+    /// Whether it reads any texture with a linear filter.
     pub linear: bool,
-    /// Whether it takes the second block of parameters, with `BokehAxis` and `BokehLayer` 1.
+    /// Whether it uses the second block of parameters, in which `BokehAxis` and `BokehLayer` are 1.
     pub second: bool,
 }
 
-/// The passes of one method and polygon, in their order. The last one writes the result.
+/// The passes of one method and polygon, in the order in which they are drawn. The last one writes the result.
 pub struct Frame {
     pub passes: &'static [Pass],
 }
