@@ -1,7 +1,9 @@
-// For validation/run engines, not for your program: what the shaders read and wrote, into the folder given.
+// Writes everything that the shaders read and wrote into a folder, for validation/run engines. Your program does not
+// need this file.
 //
-// color.f16, depth.f32, a .f16 for each shot and the targets of the layered ones (.written) are raw rows, v = 0 first;
-// capture.json says what they are, and what a focus that is pulled did.
+// It writes color.f16, depth.f32, a .f16 file with the result of each shot, and a .written file with all targets of
+// each layered shot. All of these contain raw rows, beginning at v = 0. capture.json describes them, and has a record
+// of the autofocus.
 
 #pragma once
 
@@ -16,7 +18,7 @@
 
 #include "PolygonBokeh.h"
 
-// The bytes of a texture, first row in memory first
+// Returns the bytes of a texture, in the order of its rows in memory
 inline std::string bytesOf(const Ogre::TexturePtr& texture)
 {
     const Ogre::PixelFormat format = texture->getFormat();
@@ -43,7 +45,8 @@ inline std::string number(float value)
     return text;
 }
 
-// The focus of 12 frames of 20 ms, on its way to the nearest of the ball, the crates and the sky
+// Returns a record of the autofocus as JSON: 12 frames of 20 ms each, in which the focus moves to the nearest of the
+// ball, the crates and the sky
 inline std::string pulled(PolygonBokeh& bokeh, const Ogre::Viewport* viewport)
 {
     std::vector<float> depths;
@@ -68,7 +71,7 @@ inline void capture(const std::string& folder, Ogre::Viewport* viewport,
     Ogre::CompositorInstance* tone)
 {
     std::string shots, camera, stored, pull;
-    // degrees clockwise last
+    // method, polygon, number of sides, and rotation in degrees clockwise
     for (const auto& [method, aperture, sides, clockwise] : std::vector<std::tuple<std::string, std::string, int, float>>{
              {"layered", "hexagon", 6, 0}, {"layered", "octagon", 8, 0}, {"exact", "hexagon", 6, 0},
              {"exact", "octagon", 8, 0}, {"exact", "square", 4, 0}, {"exact", "decagon", 10, 0},
