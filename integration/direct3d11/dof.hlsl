@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 //
-// The package's passes as they are, for shader model 5.
+// The passes of the library, without changes, for shader model 5.
 
 #define BOKEH_HLSL_SM 5
 #define BOKEH_SIDES 6

@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: MIT
 //
-// The scene of the Direct3D 11 sample, shader model 5: colour and depth buffer, and the picture for the screen.
+// The shaders of the Direct3D 11 sample's scene, for shader model 5. They draw colour and the depth buffer, and
+// tone-map an image for the screen.
 
 cbuffer Camera : register(b0)
 {
     float4 eye, right, up, forward;
-    float4 lens; // xy: view space to clip space; zw: window depth is z + w / depth
+    float4 lens; // xy: scale from view space to clip space; zw: the depth buffer gets z + w / depth
 }
 
 Texture2D Hdr : register(t0);
@@ -14,7 +15,7 @@ SamplerState Nearest : register(s1);
 struct Surface
 {
     float4 position : SV_Position;
-    float4 radiance : TEXCOORD0; // a: chequered
+    float4 radiance : TEXCOORD0; // a: 1 if the surface is chequered, else 0
     float3 place : TEXCOORD1;
 };
 
@@ -29,7 +30,7 @@ Surface Scene_VS(float3 place : POSITION, float4 radiance : RADIANCE)
     return surface;
 }
 
-// linear HDR: squares of 0.125 m where the surface has a pattern
+// returns linear HDR colour; chequered surfaces have squares of 0.125 m
 float4 Scene_PS(Surface surface) : SV_Target
 {
     float3 cell = floor(surface.place * 8.0 + 0.5);
@@ -37,7 +38,7 @@ float4 Scene_PS(Surface surface) : SV_Target
     return float4(surface.radiance.rgb * (1.0 - 0.7 * odd * surface.radiance.a), 1.0);
 }
 
-// tone mapping, the very last thing
+// tone-maps a texture for the screen, after all other passes
 float4 Display_PS(float4 position : SV_Position, float2 uv : TEXCOORD0) : SV_Target
 {
     float3 color = Hdr.SampleLevel(Nearest, uv, 0.0).rgb;

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * Files that the tests of this repository read: not part of the effect, leave it out of your program.
- * validation/engines/capture.py describes them.
+ * Writes the files that the tests of this repository read. This is not part of the effect: leave it out of your
+ * program. validation/engines/capture.py describes the files.
  */
 #ifndef CAPTURE_H
 #define CAPTURE_H
@@ -17,7 +17,7 @@ typedef struct {
     float focus_distance, clockwise; /* metres; degrees */
 } CapturedShot;
 
-/* The autofocus at a pixel: depths, then the focus distance after each frame. */
+/* A record of the autofocus at a pixel: the depths that it reads there, then the focus distance after each frame. */
 enum { NUM_PULLED = 12 };
 typedef struct {
     int x, y;
@@ -51,7 +51,7 @@ static void write_file(const char *folder, const char *name, const void *bytes, 
     close_file(file, folder, name);
 }
 
-/* Rows from the upper one on, four bytes a pixel: blue, green, red, nothing. */
+/* Writes a BMP file. `bytes` has the top row first and four bytes per pixel: blue, green, red, and one unused. */
 static void write_bmp(const char *folder, const char *name, const void *bytes, int width, int height)
 {
     const size_t head = 54, size = (size_t)width * height * 4;
@@ -64,7 +64,8 @@ static void write_bmp(const char *folder, const char *name, const void *bytes, i
     free(whole);
 }
 
-/* stored: what depth.f32 holds for exact and layered, as JSON; NULL: metres */
+/* Writes capture.json. `stored` is JSON that describes the kind of depth in depth.f32 for exact and layered; NULL means
+ * metres. */
 static void write_capture(const char *folder, const char *engine, const char *adapter, const char *stored,
                           const CapturedShot *shots, int num_shots, const CapturedPull *pull)
 {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 //
-// The package's passes as they are, for shader model 3.
+// The passes of the library, without changes, for shader model 3.
 
 #define BOKEH_HLSL_SM 3
 #include "../../hlsl/bokeh.hlsl"

@@ -2,10 +2,11 @@
  *
  * Depth of field on Direct3D 9, shader model 3.
  *
- *   direct3d9           a window: click to focus, 1 to 5 choose the method, D goes through the debug views
- *   direct3d9 FOLDER    the same without a window to see; leaves its pictures in FOLDER, for the tests
+ *   direct3d9           opens a window: click to focus, press 1 to 5 to choose method and polygon, press D for the
+ *                       next debug view
+ *   direct3d9 FOLDER    shows no window, and writes images of the same scene into FOLDER, for the tests
  *
- * Run it in this folder: it compiles scene.hlsl and dof.hlsl.
+ * Run it in this folder, because it compiles scene.hlsl and dof.hlsl.
  */
 #define COBJMACROS
 #define _CRT_SECURE_NO_WARNINGS
@@ -23,9 +24,9 @@ enum { ZOOM = 2, MAX_INPUTS = 8, MAX_TARGETS = 4, MAX_PASSES = 16, NUM_DEBUG_VIE
 enum { MAX_TEXTURES = 64, MAX_SHADERS = 32 };
 enum { NUM_PARAMETERS = sizeof(struct BokehParameters) / sizeof(float) };
 
-/* A texture to draw into. */
+/* A texture that can be drawn into. */
 typedef struct {
-    char name[32]; /* in the tables; "color" and "depth" are the scene's */
+    char name[32]; /* in the tables; the scene draws "color" and "depth" */
     int width, height;
     D3DFORMAT format;
     IDirect3DTexture9 *texture;
@@ -37,19 +38,21 @@ typedef struct {
     IDirect3DPixelShader9 *shader;
 } PixelShader;
 
-/* One full-screen pass. */
+/* Describes one full-screen pass. */
 typedef struct {
-    const char *entry, *reads, *writes; /* textures of BokehColorSamp, B to F ("-": not this one); targets */
-    int scale;                          /* of the targets: 1 / scale of the size, rounded up */
+    /* reads   names of the textures for BokehColorSamp and BokehColorSampB to F; "-" leaves a slot unused
+     * writes  names of the targets */
+    const char *entry, *reads, *writes;
+    int scale; /* divides the size of the image to get the size of the targets, rounded up */
     struct {
-        int index; /* 0: none */
+        int index; /* of the parameter; 0: none */
         float value;
-    } own; /* a parameter */
+    } own; /* a parameter whose value differs from pass to pass */
 } Pass;
 
 #define PARAMETER(name) (offsetof(struct BokehParameters, name) / sizeof(float))
 
-/* Slots of BokehColorSamp, B to F, and of BokehDepthSamp */
+/* Slots of BokehColorSamp and BokehColorSampB to F, and of BokehDepthSamp: 0 is s0 */
 static const int COLOR_SLOTS[] = {0, 2, 3, 4, 6, 7};
 enum { DEPTH_SLOT = 1 };
 
@@ -112,7 +115,7 @@ static const Shot SHOTS[] = {
 };
 enum { NUM_SHOTS = sizeof SHOTS / sizeof SHOTS[0] };
 
-/* Registers c0 and up of the package's passes, as docs/reference/parameters.md lists them. */
+/* The parameters of the passes, in registers from c0 upwards; docs/reference/parameters.md describes them. */
 static struct BokehParameters parameters = {
     .SensorHeight = 0.024f,
     .BleedingBias = 0.02f,
@@ -135,7 +138,7 @@ static IDirect3DVertexShader9 *scene_vertex_shader, *quad_vertex_shader;
 static IDirect3DSurface9 *back_buffer, *z_buffer;
 static Camera camera;
 static const Shot *shot = &SHOTS[0];
-static int debug_view = -1; /* -1: the finished picture */
+static int debug_view = -1; /* value of BokehDebugMode; -1: no debug view but the result */
 
 #define CHECK(call) check((call), #call)
 static void check(HRESULT status, const char *call)
@@ -146,7 +149,7 @@ static void check(HRESULT status, const char *call)
     }
 }
 
-/* ---- what Direct3D is asked for once ---- */
+/* ---- resources that are created once ---- */
 
 static Target make_target(int width, int height, D3DFORMAT format)
 {
@@ -157,7 +160,7 @@ static Target make_target(int width, int height, D3DFORMAT format)
     return made;
 }
 
-/* By its name; NULL where there is none yet. */
+/* Returns the texture with a name, or NULL if there is none yet. */
 static Target *find(const char *name)
 {
     for (int i = 0; i < num_textures; i++)
@@ -174,7 +177,7 @@ static void add_texture(const char *name, int scale, D3DFORMAT format)
     strcpy(textures[num_textures++].name, name);
 }
 
-/* Copies the next word of `text`. Returns what comes after it, NULL where there is none. */
+/* Copies the next word of `text` to `word`. Returns the rest of the text, or NULL if there are no more words. */
 static const char *next_word(const char *text, char word[32])
 {
     int length;
@@ -263,7 +266,7 @@ static void make_device(void)
     }
     CHECK(IDirect3DDevice9_GetRenderTarget(device, 0, &back_buffer));
     CHECK(IDirect3DDevice9_SetRenderState(device, D3DRS_CULLMODE, D3DCULL_NONE));
-    /* alpha is the CoC, not opacity */
+    /* no blending: alpha is the CoC, not opacity */
     CHECK(IDirect3DDevice9_SetRenderState(device, D3DRS_ALPHABLENDENABLE, FALSE));
 }
 
@@ -277,8 +280,8 @@ static void draw_triangles(const char *entry, const Target *target)
     CHECK(IDirect3DDevice9_DrawPrimitiveUP(device, D3DPT_TRIANGLELIST, num_vertices / 3, vertices, sizeof vertices[0]));
 }
 
-/* Twice: into the colour and, by SceneDepth_PS, into the depth. In one go where your card has targets of different
- * widths at once (D3DPMISCCAPS_MRTINDEPENDENTBITDEPTHS). */
+/* Draws the scene twice: its colour with SceneColor_PS, and its depth with SceneDepth_PS. If your card can write
+ * targets with different numbers of bits at once (D3DPMISCCAPS_MRTINDEPENDENTBITDEPTHS), one draw can write both. */
 static void draw_scene(void)
 {
     for (int i = 1; i < MAX_TARGETS; i++)
@@ -294,7 +297,7 @@ static void draw_scene(void)
 
 /* ---- the effect ---- */
 
-/* Parameter i goes to register c(i), into its x. */
+/* Sets all parameters: parameter i is the x of register c(i). */
 static void set_parameters(const float *values)
 {
     float registers[NUM_PARAMETERS][4] = {{0}};
@@ -312,8 +315,8 @@ static void set_texture(int slot, const Target *target, D3DTEXTUREFILTERTYPE fil
     CHECK(IDirect3DDevice9_SetSamplerState(device, slot, D3DSAMP_ADDRESSV, D3DTADDRESS_CLAMP));
 }
 
-/* A quad over the viewport. BokehFullScreen_VS moves it by half a pixel of what c20 says: Direct3D 9 has its pixel
- * centres at whole numbers. */
+/* Draws a quad over the viewport, whose size is width x height pixels. Direct3D 9 has pixel centres at whole numbers,
+ * so BokehFullScreen_VS moves the quad by half a pixel. It reads the size of a pixel from its register c20. */
 static void draw_quad(const char *entry, int width, int height)
 {
     static const float STRIP[4][5] = {{-1, 1, 0, 0, 0}, {1, 1, 0, 1, 0}, {-1, -1, 0, 0, 1}, {1, -1, 0, 1, 1}};
@@ -340,7 +343,8 @@ static void draw_pass(const Pass *pass)
         from[COLOR_SLOTS[i]] = find(name);
     for (int i = 0; i < MAX_TARGETS; i++)
         CHECK(IDirect3DDevice9_SetRenderTarget(device, i, to[i] ? to[i]->surface : NULL));
-    /* colour, depth and what two of the passes read are copied texel by texel, all else is sampled between texels */
+    /* the shaders read colour, depth, and all inputs of two passes texel by texel, which in shader model 3 needs a
+     * nearest filter; all other textures need a linear filter */
     int texels = !strcmp(pass->entry, "BokehTileMax_PS") || !strcmp(pass->entry, "BokehLayerCoCReduce_PS");
     for (int i = 0; i < MAX_INPUTS; i++)
     {
@@ -353,7 +357,7 @@ static void draw_pass(const Pass *pass)
     draw_quad(pass->entry, to[0]->width, to[0]->height);
 }
 
-/* From "color" and "depth" to "result". */
+/* Draws all passes of the current shot, from "color" and "depth" to "result". */
 static void draw_depth_of_field(void)
 {
     for (const Pass *pass = shot->passes; pass->entry; pass++)
@@ -362,7 +366,8 @@ static void draw_depth_of_field(void)
 
 /* ---- the screen ---- */
 
-/* A part of the screen, by Display_PS: a texture tone-mapped, or by BokehDebug_PS: a debug view of the CoC map. */
+/* Draws a texture to a part of the screen. With the entry Display_PS, the texture is tone-mapped. With BokehDebug_PS,
+ * it must be the CoC map, and a debug view is drawn. */
 static void show(const char *entry, const char *shown, IDirect3DSurface9 *screen, int left, int width, int height)
 {
     const D3DVIEWPORT9 viewport = {left, 0, width, height, 0, 1};
@@ -392,7 +397,7 @@ static void draw_frame(void)
 
 /* ---- focus ---- */
 
-/* Rows of a target, from the upper one on, without gaps. */
+/* Reads the pixels of a target back, top row first and without gaps between rows. Waits for the GPU. */
 static void read_back(const Target *target, int texel_bytes, void *pixels)
 {
     const int width = target->width, height = target->height;
@@ -409,10 +414,10 @@ static void read_back(const Target *target, int texel_bytes, void *pixels)
     IDirect3DSurface9_Release(copy);
 }
 
-/* The depths that the focus goes to. */
+/* Depths in metres. The autofocus moves to the nearest of them. */
 static float aimed[NUM_AIMS];
 
-/* On a place in the world. */
+/* Focuses on a point of the world, at once. */
 static void focus_on_place(const float place[3])
 {
     parameters.FocusDistance = view_depth(&camera, place);
@@ -420,7 +425,8 @@ static void focus_on_place(const float place[3])
         aimed[i] = parameters.FocusDistance;
 }
 
-/* At what is seen at a pixel of the last frame and around it. */
+/* Aims the autofocus at a pixel: reads the depths of the last frame at this pixel and around it. The focus then moves
+ * in pull_focus(). */
 static void aim_at(int x, int y)
 {
     static float metres[HEIGHT][WIDTH];
@@ -432,7 +438,8 @@ static void aim_at(int x, int y)
     }
 }
 
-/* Each frame, with the seconds that it took. INFINITY: there at once. */
+/* Moves the focus smoothly towards the nearest of the aimed depths. Call it in every frame, with the time since the
+ * last frame in seconds. With INFINITY, the focus arrives at once. */
 static void pull_focus(float seconds)
 {
     parameters.FocusDistance = pulled_focus(parameters.FocusDistance, aimed, seconds, PULL_SECONDS);
@@ -481,14 +488,14 @@ static void run(void)
         pull_focus((now - last) * 0.001f);
         last = now;
         draw_frame();
-        /* a lost device is not restored here: the sample ends */
+        /* the sample does not restore a lost device: it ends */
         CHECK(IDirect3DDevice9_Present(device, NULL, NULL, NULL, NULL));
         while (message.message != WM_QUIT && PeekMessageA(&message, NULL, 0, 0, PM_REMOVE))
             DispatchMessageA(&message);
     }
 }
 
-/* All that the passes of a shot wrote, one target after the other. */
+/* Writes all targets of a shot's passes into a file, one after the other. */
 static void write_targets(const char *folder, const Shot *written)
 {
     static char pixels[WIDTH * HEIGHT * 8];
@@ -504,14 +511,15 @@ static void write_targets(const char *folder, const Shot *written)
     close_file(file, folder, name);
 }
 
-/* Every shot for the tests, and a picture: sharp, near and far field, blurred. */
+/* Draws every shot and writes its result for the tests. Also writes picture.bmp with three images side by side: the
+ * sharp input, a debug view of the near and far field, and the blurred result. */
 static void capture(const char *folder)
 {
     static char pixels[WIDTH * HEIGHT * 3 * 8];
     CapturedShot shots[NUM_SHOTS + 1];
     D3DADAPTER_IDENTIFIER9 adapter;
     Target picture = make_target(WIDTH * 3, HEIGHT, D3DFMT_X8R8G8B8);
-    /* the last one is an octagon once more, rotated as the angle is here: clockwise on the screen */
+    /* the last shot is another octagon, rotated clockwise: v grows downwards, so a positive angle is clockwise */
     for (int i = 0; i <= NUM_SHOTS; i++) {
         const float clockwise = i == NUM_SHOTS ? 10.0f : 0.0f;
         char name[64];
@@ -532,7 +540,7 @@ static void capture(const char *folder)
             show("Display_PS", "result", picture.surface, WIDTH * 2, WIDTH, HEIGHT);
             CHECK(IDirect3DDevice9_EndScene(device));
         }
-        /* the shots after the first are focused on the subject as one that clicks on it does */
+        /* all shots after the first are focused as if you had clicked on the ball */
         aim_at(WIDTH * 9 / 20, HEIGHT / 2);
         pull_focus(INFINITY);
     }

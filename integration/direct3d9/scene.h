@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * What both Direct3D samples draw: lights before and behind a ball on a chequered floor, as triangles, and the camera.
- * Metres; +y is up, the camera looks along +z.
+ * The scene and the camera of both Direct3D samples: a ball on a chequered floor, with lights in front of it and behind
+ * it, made of triangles. Lengths are in metres; +y is up, and the camera looks along +z.
  */
 #ifndef SCENE_H
 #define SCENE_H
@@ -11,23 +11,23 @@
 #define WIDTH 320
 #define HEIGHT 240
 
-/* of a ball */
+/* numbers of rings and segments of a ball */
 #define RINGS 12
 #define SEGMENTS 24
 
 enum { MAX_BALLS = 18, MAX_VERTICES = MAX_BALLS * RINGS * SEGMENTS * 6 + 12 };
 
 static const float PI = 3.14159265f;
-/* vertical, that of a lens of 85 mm */
+/* FIELD_OF_VIEW is the vertical field of view of an 85 mm lens, radians */
 static const float FIELD_OF_VIEW = 0.2805f, F_STOP = 1.0f, SENSOR_HEIGHT = 0.024f, MAX_COC = 0.1f;
 static const float PULL_SECONDS = 0.2f; /* time constant of the autofocus */
 static const float Z_NEAR = 0.5f, Z_FAR = 50.0f;
-static const float SUBJECT[3] = {-0.06f, 0.19f, 3.0f}; /* middle of the ball that is in focus */
+static const float SUBJECT[3] = {-0.06f, 0.19f, 3.0f}; /* centre of the ball that is in focus */
 
 typedef struct {
     float place[3];
-    float radiance[3]; /* linear, what the surface sends out; a light has much more than 1 */
-    float pattern;     /* 1: chequered */
+    float radiance[3]; /* linear colour of the surface; lights are much brighter than 1 */
+    float pattern;     /* 1 if the surface is chequered, else 0 */
 } Vertex;
 
 /* The corners of two triangles that make a quad. */
@@ -36,10 +36,10 @@ static const int QUAD[6][2] = {{0, 0}, {0, 1}, {1, 0}, {1, 0}, {0, 1}, {1, 1}};
 static Vertex vertices[MAX_VERTICES];
 static int num_vertices;
 
-/* The scene's shader constants, five registers. */
+/* The shader constants of the scene, in five registers. */
 typedef struct {
     float eye[4], right[4], up[4], forward[4];
-    float lens[4]; /* xy: view space to clip space; zw: window depth is z + w / depth */
+    float lens[4]; /* xy: scale from view space to clip space; zw: the depth buffer gets z + w / depth */
 } Camera;
 
 static float dot3(const float a[3], const float b[3])
@@ -47,13 +47,13 @@ static float dot3(const float a[3], const float b[3])
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
-/* Of the lens that sees the field of view: docs/lens.md. */
+/* Returns the focal length that belongs to the field of view, metres (docs/lens.md). */
 static float focal_length(void)
 {
     return SENSOR_HEIGHT / (2.0f * tanf(0.5f * FIELD_OF_VIEW));
 }
 
-/* A camera at (0, 0.55, 0) that looks down a little. */
+/* Returns a camera at (0, 0.55, 0) that looks down a little. */
 static Camera make_camera(void)
 {
     const float c = cosf(0.1f), s = sinf(0.1f), y = 1.0f / tanf(0.5f * FIELD_OF_VIEW);
@@ -64,11 +64,17 @@ static Camera make_camera(void)
     return camera;
 }
 
-/* Pixels around that of a click: the nearest of what they show wins. */
+/* Offsets, in pixels, from a clicked pixel. The autofocus moves to the nearest of the depths there. */
 enum { NUM_AIMS = 5 };
 static const int AIMS[NUM_AIMS][2] = {{0, 0}, {-6, 0}, {6, 0}, {0, -6}, {0, 6}};
 
-/* The focus distance after so many seconds more on its way to the nearest of these depths: docs/lens.md. */
+/* Returns the new focus distance of the autofocus (docs/lens.md), which moves smoothly towards the nearest of several
+ * depths.
+ *
+ * distance  current focus distance, metres
+ * depths    metres along the view axis
+ * seconds   time since the last call
+ * tau       time constant, seconds */
 static float pulled_focus(float distance, const float depths[NUM_AIMS], float seconds, float tau)
 {
     const float k = 1.0f - expf(-seconds / tau);
@@ -78,7 +84,7 @@ static float pulled_focus(float distance, const float depths[NUM_AIMS], float se
     return 1.0f / ((1.0f - k) / distance + k * nearest);
 }
 
-/* Depth of a place along the view axis, metres: what BokehFocusDistance is to be when that place is to be in focus. */
+/* Returns the depth of a point along the view axis, metres. To focus on the point, set BokehFocusDistance to it. */
 static float view_depth(const Camera *camera, const float place[3])
 {
     const float way[3] = {place[0] - camera->eye[0], place[1] - camera->eye[1], place[2] - camera->eye[2]};
@@ -93,7 +99,7 @@ static void add_vertex(float x, float y, float z, const float radiance[3], float
     vertices[num_vertices++] = vertex;
 }
 
-/* A point of a ball: `ring` from pole to pole, `segment` around. */
+/* Adds a point of a ball: `ring` goes from pole to pole, `segment` goes around the axis. */
 static void add_ball_vertex(const float middle[3], float radius, const float radiance[3], int lit, int ring,
                             int segment)
 {
@@ -105,7 +111,7 @@ static void add_ball_vertex(const float middle[3], float radius, const float rad
                brightness, (float)lit);
 }
 
-/* A ball: lit and chequered, or a light of its own. */
+/* Adds a ball: a lit, chequered one if `lit` is 1, or a light if it is 0. */
 static void add_ball(const float middle[3], float radius, const float radiance[3], int lit)
 {
     for (int ring = 0; ring < RINGS; ring++)
@@ -123,12 +129,12 @@ static void make_scene(void)
     for (int i = 0; i < 6; i++)
         add_vertex(-6.0f + 12.0f * QUAD[i][0], 6.0f * QUAD[i][1], 14.0f, WALL, 1, 1);
     add_ball(SUBJECT, 0.19f, RED, 1);
-    for (int i = 0; i < 14; i++) { /* behind the focus */
+    for (int i = 0; i < 14; i++) { /* lights behind the focus distance */
         const float z = 5.0f + 0.6f * i, x = z * 0.155f * sinf(2.4f * i), y = 0.5f + z * 0.03f * cosf(1.7f * i);
         const float middle[3] = {x, y, z};
         add_ball(middle, 0.004f * z, LIGHTS[i % 4], 0);
     }
-    for (int i = 0; i < 3; i++) { /* before it */
+    for (int i = 0; i < 3; i++) { /* lights in front of it */
         const float middle[3] = {-0.21f + 0.17f * i, 0.51f + 0.03f * (i % 2), 1.5f};
         add_ball(middle, 0.008f, LIGHTS[(i + 2) % 4], 0);
     }

@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: MIT
 //
-// The scene of the Direct3D 9 sample, shader model 3: colour, depth in metres, and the picture for the screen.
+// The shaders of the Direct3D 9 sample's scene, for shader model 3. They draw colour and depth in metres, and tone-map
+// an image for the screen.
 
 float3 eye : register(c0);
 float3 right : register(c1);
 float3 up : register(c2);
 float3 forward : register(c3);
-float4 lens : register(c4); // xy: view space to clip space; zw: window depth is z + w / depth
+float4 lens : register(c4); // xy: scale from view space to clip space; zw: the depth buffer gets z + w / depth
 
 sampler2D HdrSamp : register(s0);
 
@@ -20,7 +21,7 @@ void Scene_VS(float3 place : POSITION, float4 surface : TEXCOORD0, out float4 po
     placeAndDepth = float4(place, depth);
 }
 
-// linear HDR: squares of 0.125 m where the surface has a pattern
+// returns linear HDR colour; chequered surfaces have squares of 0.125 m
 float4 SceneColor_PS(float4 radiance : TEXCOORD0, float4 placeAndDepth : TEXCOORD1) : COLOR
 {
     float3 cell = floor(placeAndDepth.xyz * 8.0 + 0.5);
@@ -28,13 +29,13 @@ float4 SceneColor_PS(float4 radiance : TEXCOORD0, float4 placeAndDepth : TEXCOOR
     return float4(radiance.rgb * (1.0 - 0.7 * odd * radiance.a), 1.0);
 }
 
-// metres along the view axis, into an R32F target
+// returns depth in metres along the view axis, for an R32F target
 float4 SceneDepth_PS(float4 radiance : TEXCOORD0, float4 placeAndDepth : TEXCOORD1) : COLOR
 {
     return float4(placeAndDepth.w, 0.0, 0.0, 1.0);
 }
 
-// tone mapping, the very last thing
+// tone-maps a texture for the screen, after all other passes
 float4 Display_PS(float2 uv : TEXCOORD0) : COLOR
 {
     float3 color = tex2D(HdrSamp, uv).rgb;

@@ -19,15 +19,16 @@ import java.util.ArrayList;
 import java.util.LinkedHashMap;
 import java.util.Map;
 
-/** Depth of field with polygonal bokeh, for a FilterPostProcessor. */
+/** A filter for a FilterPostProcessor that draws depth of field with polygonal bokeh. */
 public class BokehFilter extends Filter {
     /**
-     * A pass.
+     * Describes a pass.
      *
-     * reads   textures for the slots ("-": not this one)
-     * writes  its targets
-     * scale   their size: 1 / scale of the image, rounded up
-     * sets    parameters of its own
+     * @param pass which program of bokeh_passes.glsl it is
+     * @param reads names of the textures for the slots Texture and TextureB to F; "-" leaves a slot unused
+     * @param writes names of its targets
+     * @param scale divides the size of the image to get the size of the targets, rounded up
+     * @param sets material parameters whose values differ from pass to pass
      */
     public record Step(BokehPass pass, String reads, String writes, int scale, Map<String, Float> sets) {}
 
@@ -76,18 +77,21 @@ public class BokehFilter extends Filter {
         this.table = table;
     }
 
-    /** The f-stop of the lens. */
+    /** Sets the f-stop of the lens, 2.8 by default. A lower f-stop blurs more. */
     public void setFStop(float fStop) {
         this.fStop = fStop;
     }
 
-    /** How many times wider the blur is than that lens's: 1 is the real lens (docs/lens.md), 0 disables the filter. */
+    /**
+     * Sets by how much the width of the blur is multiplied, 10 by default. 1 is the blur of a real lens (docs/lens.md).
+     * 0 disables the filter.
+     */
     public void setBokehScale(float bokehScale) {
         this.bokehScale = bokehScale;
         setEnabled(bokehScale > 0f);
     }
 
-    /** Rotates the polygon, clockwise on the screen, radians. */
+    /** Sets the rotation of the polygon, radians, clockwise on the screen. The default is 0. */
     public void setRotation(float radians) {
         rotation = radians;
     }
@@ -109,7 +113,7 @@ public class BokehFilter extends Filter {
         farMaxCoC = maxCoC;
     }
 
-    /** A depth along the view axis, metres. Ends the autofocus. */
+    /** Sets the focus distance along the view axis, metres, and ends the autofocus. The default is 5. */
     public void setFocusDistance(float metres) {
         focusDistance = metres;
         focusPoints = new Vector2f[0];
@@ -120,11 +124,11 @@ public class BokehFilter extends Filter {
     }
 
     /**
-     * Autofocus: on what lies under points of the screen, the nearest of them.
+     * Starts the autofocus: the focus moves smoothly to the nearest object under several points of the screen.
      *
-     * @param scene what rays are cast into
-     * @param seconds time constant of the pull: 0.1 quick, 0.3 calm
-     * @param points (0, 0) lower left to (1, 1)
+     * @param scene node that contains the objects; rays are cast at its meshes
+     * @param seconds time constant of the movement: at 0.1 the focus moves quickly, at 0.3 it moves calmly
+     * @param points points of the screen; (0, 0) is the lower left corner, (1, 1) the upper right
      */
     public void setAutofocus(Spatial scene, float seconds, Vector2f... points) {
         focusScene = scene;
@@ -132,12 +136,15 @@ public class BokehFilter extends Filter {
         focusPoints = points;
     }
 
-    /** After a cut of the camera: the next frame is in focus at once. */
+    /** Makes the focus jump in the next frame instead of moving smoothly. Call this after the camera jumps. */
     public void cut() {
         cut = true;
     }
 
-    /** Depth along the view axis under a point of the screen, metres; infinite where there is nothing. */
+    /**
+     * Returns the depth along the view axis under a point of the screen, metres, or infinity if no object is there. It
+     * casts a ray at the scene of setAutofocus.
+     */
     public float depthUnder(Vector2f point) {
         Vector2f pixel = new Vector2f(point.x * camera.getWidth(), point.y * camera.getHeight());
         Vector3f start = camera.getWorldCoordinates(pixel, 0f);
@@ -151,7 +158,10 @@ public class BokehFilter extends Filter {
         return hit.subtract(camera.getLocation()).dot(camera.getDirection());
     }
 
-    /** Changes 1 / distance evenly, so that everything sharpens and blurs evenly. 1 / infinity is 0. */
+    /**
+     * Moves the focus towards the nearest of the points. The width of the blur depends on 1 / distance, so this
+     * interpolates 1 / distance instead of the distance. 1 / infinity is 0, so it need not be a special case.
+     */
     private void pullFocus(float seconds) {
         float nearest = 0f;
         for (Vector2f point : focusPoints) {
@@ -168,11 +178,12 @@ public class BokehFilter extends Filter {
         if (focusPoints.length > 0) {
             pullFocus(seconds);
         }
-        // the lens of the blur is the lens of the camera: docs/lens.md
+        // the focal length that belongs to the camera's field of view: docs/lens.md
         float focalLength = 0.5f * SENSOR_HEIGHT * Math.abs(camera.getProjectionMatrix().m11);
         for (Pass pass : postRenderPasses) {
             Material material = pass.getPassMaterial();
-            // v grows upwards, where the shaders' angle is counter-clockwise; the paper's lines have angles of their own
+            // v grows upwards here, so the shaders' angle is counter-clockwise, and the rotation is subtracted. The
+            // passes of paper have angles of their own.
             material.setFloat("Angle", ((StepPass) pass).step.sets.getOrDefault("Angle", 0f) - rotation);
             material.setFloat("FocalLength", focalLength);
             material.setFloat("ApertureDiameter", focalLength / fStop * bokehScale);
@@ -200,12 +211,12 @@ public class BokehFilter extends Filter {
         material = new Material(assets, "Bokeh/Show.j3md");
     }
 
-    /** The texture that a pass wrote, by its name in the table. */
+    /** Returns the texture that a pass wrote, by its name in the table. */
     public Texture2D getTexture(String name) {
         return textures.get(name);
     }
 
-    /** Draws onto all targets of a step. */
+    /** A pass that draws into all targets of a step. */
     private class StepPass extends Pass {
         private final Step step;
         private final ArrayList<Texture2D> targets = new ArrayList<>();
@@ -217,7 +228,7 @@ public class BokehFilter extends Filter {
             passMaterial.setFloat("AspectRatio", (float) width / height);
             passMaterial.setFloat("ImageWidth", width);
             passMaterial.setFloat("ImageHeight", height);
-            // 0 near .. 1 far
+            // depth is 0 at the near plane and 1 at the far plane
             passMaterial.setFloat("DepthKind", 1f);
             step.sets.forEach(passMaterial::setFloat);
             String[] reads = step.reads.split(" ");
@@ -232,11 +243,11 @@ public class BokehFilter extends Filter {
             Format format = step.pass == BokehPass.LINEAR_DEPTH ? Format.R32F : Format.RGBA16F;
             int columns = (width + step.scale - 1) / step.scale;
             int rows = (height + step.scale - 1) / step.scale;
-            // not Pass.init: its frame buffer has one target
+            // Pass.init would create a frame buffer with only one target
             renderFrameBuffer = new FrameBuffer(columns, rows, 1);
             for (String name : step.writes.split(" ")) {
                 Texture2D target = new Texture2D(columns, rows, format);
-                // without an image's data a texture is clamped, but has the nearest texel
+                // a Texture2D without data has clamp by default, but a nearest filter
                 target.setMagFilter(Texture.MagFilter.Bilinear);
                 target.setMinFilter(Texture.MinFilter.BilinearNoMipMaps);
                 renderFrameBuffer.addColorTarget(FrameBufferTarget.newTarget(target));
@@ -254,7 +265,7 @@ public class BokehFilter extends Filter {
 
         @Override
         public boolean requiresDepthAsTexture() {
-            // the paper's tables make metres of it, first of all
+            // in the tables for paper, only the first pass reads depth; the others read the metres that it writes
             return !textures.containsKey("metres") || step.writes.equals("metres");
         }
 
@@ -271,7 +282,7 @@ public class BokehFilter extends Filter {
         return material;
     }
 
-    // getMaterial has the result, and the passes have depth
+    // the last material reads the result only; the depth texture is for the passes
     @Override
     protected boolean isRequiresSceneTexture() {
         return false;

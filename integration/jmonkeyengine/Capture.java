@@ -20,13 +20,15 @@ import java.util.stream.Stream;
 import org.lwjgl.opengl.GL11;
 
 /**
- * For validation/run engines, not for your program: what the shaders read and wrote, into the folder given.
+ * Writes everything that the shaders read and wrote into a folder, for validation/run engines. Your program does not
+ * need this class.
  *
- * <p>color.f16, depth.f32, metres.f32, a .f16 for each shot and the targets of the layered ones (.written) are raw rows,
- * v = 0 first; capture.json says what they are, and how the autofocus went.
+ * <p>It writes color.f16, depth.f32, metres.f32, a .f16 file with the result of each shot, and a .written file with all
+ * targets of each layered shot. All of these contain raw rows, beginning at v = 0. capture.json describes them, and has
+ * a record of the autofocus.
  */
 public class Capture extends Sample {
-    // the depth buffer as it is: said to be metres already
+    // one more pass copies the depth buffer unchanged: its depth kind 0 says that depth is metres already
     private static final BokehFilter.Step[] STORED = Stream.concat(Arrays.stream(Apertures.EXACT_HEXAGON), Stream.of(
             new BokehFilter.Step(BokehPass.LINEAR_DEPTH, "", "stored", 1, Map.of("DepthKind", 0f))))
             .toArray(BokehFilter.Step[]::new);
@@ -41,17 +43,17 @@ public class Capture extends Sample {
             shot("exact-octagon-rotated", Apertures.EXACT_OCTAGON),
             shot("paper-hexagon-rotated", Apertures.PAPER_HEXAGON));
     private static final float CLOCKWISE = 10f;
-    // scale and limit in front of the focus, and behind it
+    // scale and limit in front of the focus distance, and behind it
     private static final float[] NEAR = {0.5f, 0.02f}, FAR = {0.75f, 0.03f};
-    // frames of a pull to the ball, which is nearer than the tower
+    // number of frames in which the focus moves to the ball, which is nearer than the tower
     private static final int PULLED = 12;
-    // the frame with a bokeh scale of 0; the next one has no filter
+    // index of the frame with a bokeh scale of 0; the next frame has no filter
     private static final int OFF = SHOTS.size() + PULLED;
 
     private final File folder;
     private final StringJoiner told = new StringJoiner(",\n  ");
     private final StringJoiner pulled = new StringJoiner(", ");
-    // of the frame before OFF, and of all later ones
+    // screenshots of the frame before OFF, and of all frames from OFF on
     private final List<byte[]> screens = new ArrayList<>();
     private float focusDistance;
 
@@ -76,7 +78,7 @@ public class Capture extends Sample {
         return all;
     }
 
-    /** The pull goes on with the effect of the shot before it. */
+    /** Sets up a shot. The frames of the autofocus keep the filter of the shot before them. */
     @Override
     void show(Shot shot, int index) {
         if (index < SHOTS.size()) {
@@ -116,7 +118,7 @@ public class Capture extends Sample {
             more = ", \"written\": \"" + name + ".written\"";
         }
         if (name.startsWith("paper")) {
-            // what the preset MEDIUM stands for
+            // capture.json has no preset for paper: give the values of MEDIUM instead
             more = ", \"depth\": \"metres.f32\", \"stored\": null, \"spacing\": 1.5, \"samples\": 9";
             write("metres.f32", texture("metres"), Format.R32F);
         }
@@ -135,7 +137,7 @@ public class Capture extends Sample {
                 name, words[0], words[1], name, more));
     }
 
-    /** All that the passes of a table wrote, in their order. */
+    /** Returns the bytes of all targets that the passes of a table wrote, in the order of the passes. */
     private byte[] written(BokehFilter.Step[] table) throws IOException {
         ByteArrayOutputStream all = new ByteArrayOutputStream();
         for (BokehFilter.Step step : table) {

@@ -20,17 +20,28 @@ import java.nio.ByteBuffer;
 import java.util.List;
 import javax.imageio.ImageIO;
 
-/** java Sample picture.png: four frames in one, the input, hexagon, near and far field, octagon. */
+/**
+ * Draws an image of four parts: the input, a hexagon, the near and far field, and an octagon.
+ *
+ * <p>Run it with {@code java Sample picture.png}.
+ */
 public class Sample extends SimpleApplication {
     static final int WIDTH = 384;
     static final int HEIGHT = 256;
-    // all frames take as long: the same pictures on each machine
+    // seconds per frame: constant, so that all machines draw the same images
     static final float SECONDS = 1f / 30f;
-    // more than any real lens, in so small a scene: docs/lens.md
+    // with the default bokeh scale of 10, the blur is ten times as wide as that of a real lens: docs/lens.md
     static final float F_STOP = 2.0f;
     static final float PULL_SECONDS = 0.2f;
 
-    /** A frame: its table, where it is in focus, the texture that is looked at. */
+    /**
+     * Describes a frame.
+     *
+     * @param name its name
+     * @param table table of passes
+     * @param focus point of the screen that is in focus
+     * @param shown name of the texture that goes into the image
+     */
     record Shot(String name, BokehFilter.Step[] table, Vector2f focus, String shown) {}
 
     private static final List<Shot> SHOTS = List.of(
@@ -53,7 +64,7 @@ public class Sample extends SimpleApplication {
         new Sample(new File(arguments[0])).begin();
     }
 
-    /** Off screen: a window that is never shown. */
+    /** Starts the application without a visible window. */
     void begin() {
         AppSettings wanted = new AppSettings(true);
         // the shaders are GLSL 3.30
@@ -67,7 +78,7 @@ public class Sample extends SimpleApplication {
 
     @Override
     public void simpleInitApp() {
-        // a game has both in its assets
+        // your game has both folders in its assets
         assetManager.registerLocator("assets", FileLocator.class);
         assetManager.registerLocator("../..", FileLocator.class);
         setDisplayStatView(false);
@@ -82,7 +93,7 @@ public class Sample extends SimpleApplication {
         new Scene(assetManager, rootNode).build();
         Scene.aim(cam);
         filters = new FilterPostProcessor(assetManager);
-        // its default, RGB111110F, has fewer bits
+        // the default, RGB111110F, has too few bits
         filters.setFrameBufferFormat(Format.RGBA16F);
         viewPort.addProcessor(filters);
     }
@@ -116,7 +127,7 @@ public class Sample extends SimpleApplication {
         return SHOTS;
     }
 
-    /** After a frame was drawn. */
+    /** Copies the shown texture into its part of the image, after a frame was drawn. */
     void take(Shot shot, int index) throws IOException {
         ByteBuffer texels = read(texture(shot.shown), Format.RGBA16F);
         for (int y = 0; y < HEIGHT; y++) {
@@ -126,18 +137,18 @@ public class Sample extends SimpleApplication {
                     float light = FastMath.convertHalfToFloat(texels.getShort(8 * (y * WIDTH + x) + 2 * channel));
                     rgb = rgb << 8 | Math.round(255f * FastMath.pow(light / (1f + light), 1f / 2.2f));
                 }
-                // the first row in memory is the lowest
+                // the first row in memory is the bottom of the image
                 sheet.setRGB(x + index % 2 * WIDTH, HEIGHT - 1 - y + index / 2 * HEIGHT, rgb);
             }
         }
     }
 
-    /** After the last frame. */
+    /** Writes the image, after the last frame. */
     void finish(File file) throws IOException {
         ImageIO.write(sheet, "png", file);
     }
 
-    /** The effect with another table. */
+    /** Replaces the filter by a new one with the shot's table. */
     void show(Shot shot, int index) {
         filters.removeAllFilters();
         bokeh = new BokehFilter(shot.table);
@@ -146,12 +157,12 @@ public class Sample extends SimpleApplication {
         filters.addFilter(bokeh);
     }
 
-    /** What a pass wrote, or what the scene was drawn into. */
+    /** Returns the texture that a pass wrote, by its name, or the texture of the scene for the name "scene". */
     Texture2D texture(String name) {
         return name.equals("scene") ? filters.getFilterTexture() : bokeh.getTexture(name);
     }
 
-    /** Texels of a texture, v = 0 first. Waits for the GPU. */
+    /** Returns the texels of a texture, row by row, beginning at v = 0. Waits for the GPU. */
     ByteBuffer read(Texture2D texture, Format format) {
         int width = texture.getImage().getWidth();
         int height = texture.getImage().getHeight();

@@ -22,9 +22,12 @@ import com.jme3.texture.image.ColorSpace;
 import com.jme3.util.BufferUtils;
 import java.nio.ByteBuffer;
 
-/** What the sample shows: a tower in focus on a checkered ground, a ball and a lamp before it, lamps behind. Metres. */
+/**
+ * The sample's scene: a tower in focus on a checkered ground, with a ball and a lamp in front of it, and lamps behind
+ * it. Lengths are in metres.
+ */
 class Scene {
-    static final float FIELD_OF_VIEW = 27f; // degrees, vertical: a lens of 50 mm
+    static final float FIELD_OF_VIEW = 27f; // degrees, vertical: that of a 50 mm lens
     static final Vector2f BALL = new Vector2f(0.3f, 0.51f);
     static final Vector2f TOWER = new Vector2f(0.47f, 0.42f);
 
@@ -60,7 +63,7 @@ class Scene {
             new ColorRGBA(0.2f, 1f, 0.45f, 1f),
         };
         for (int index = 0; index < 18; index++) {
-            // the golden angle: spread evenly, and the same each time
+            // the golden angle spreads the lamps evenly, and they are the same each time
             float depth = 11f + index % 5;
             float angle = 2.39996f * index;
             float reach = FastMath.sqrt((index + 1f) / 18f);
@@ -87,7 +90,7 @@ class Scene {
         return add(mesh, material, x, y, z);
     }
 
-    /** A colour above 1 stays, in a float target. */
+    /** Adds a lamp. Its colour is above 1, and the float target keeps such values. */
     private void lamp(float x, float y, float z, float radius, ColorRGBA color) {
         Material material = new Material(assets, "Common/MatDefs/Misc/Unshaded.j3md");
         material.setColor("Color", color);

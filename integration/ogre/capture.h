@@ -1,7 +1,9 @@
-// For validation/run engines, not for your program: what the shaders read and wrote, into the folder given.
+// Writes everything that the shaders read and wrote into a folder, for validation/run engines. Your program does not
+// need this file.
 //
-// color.f16, depth.f32, a .f16 for each shot and the targets of the layered ones (.written) are raw rows, v = 0 first;
-// capture.json says what they are, and what a focus that is pulled did.
+// It writes color.f16, depth.f32, a .f16 file with the result of each shot, and a .written file with all targets of
+// each layered shot. All of these contain raw rows, beginning at v = 0. capture.json describes them, and has a record
+// of the autofocus.
 
 #pragma once
 
@@ -16,7 +18,7 @@
 
 #include "PolygonBokeh.h"
 
-// The bytes of a texture, first row in memory first
+// Returns the bytes of a texture, in the order of its rows in memory
 inline std::string bytesOf(const Ogre::TexturePtr& texture)
 {
     const Ogre::PixelFormat format = texture->getFormat();
@@ -43,7 +45,8 @@ inline std::string number(float value)
     return text;
 }
 
-// The focus of 12 frames of 20 ms, on its way to the nearest of the ball, the crates and the sky
+// Returns a record of the autofocus as JSON: 12 frames of 20 ms each, in which the focus moves to the nearest of the
+// ball, the crates and the sky
 inline std::string pulled(PolygonBokeh& bokeh, const Ogre::Viewport* viewport)
 {
     std::vector<float> depths;
@@ -68,7 +71,7 @@ inline void capture(const std::string& folder, Ogre::Viewport* viewport,
     Ogre::CompositorInstance* tone)
 {
     std::string shots, camera, stored, pull;
-    // sides, degrees clockwise, and whether the near and the far blur have scales and limits of their own
+    // method, polygon, number of sides, degrees clockwise, and whether the near and the far blur have scales and limits of their own
     using Shot = std::tuple<std::string, std::string, int, float, bool>;
     for (const auto& [method, aperture, sides, clockwise, focused] : std::vector<Shot>{
              {"layered", "hexagon", 6, 0, true}, {"layered", "hexagon", 6, 0, false},

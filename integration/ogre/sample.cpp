@@ -1,4 +1,4 @@
-// Ogre with depth of field, run in this folder: ./sample picture.png
+// Draws a scene with depth of field in Ogre. Run it in this folder: ./sample picture.png
 
 #include <cstdio>
 #include <limits>
@@ -22,19 +22,19 @@ static std::string readFile(const std::string& path)
     return {std::istreambuf_iterator<char>(file), {}};
 }
 
-// Depth of field for what a viewport's camera sees. Keep the returned pointer.
+// Adds depth of field to a viewport that has a camera. Keep the returned pointer: its destructor removes the effect.
 static std::unique_ptr<PolygonBokeh> addBokeh(Ogre::Viewport* viewport, const Ogre::Vector3& subject,
     const PolygonBokeh::Frame& frame = PolygonBokeh::layered(6))
 {
     static const std::string library = readFile("../../glsl/bokeh.glsl") + readFile("../../glsl/bokeh_layers.glsl") +
         readFile("../../glsl/bokeh_lens.glsl") + readFile("../../glsl/bokeh_passes.glsl");
     auto bokeh = std::make_unique<PolygonBokeh>(viewport, library, frame);
-    bokeh->setLens(viewport->getCamera(), 1.0f, 5.0f); // f/1, with a blur 5 times as wide as a real lens's
+    bokeh->setLens(viewport->getCamera(), 1.0f, 5.0f); // f/1 with a bokeh scale of 5
     bokeh->uniforms["BokehFocusDistance"] = PolygonBokeh::depthOf(viewport->getCamera(), subject);
     return bokeh;
 }
 
-// Tone mapping and the encoding of the screen: the next compositor of the viewport
+// Adds the next compositor of the viewport, which tone-maps the image and encodes it for the screen
 static Ogre::CompositorInstance* addTone(Ogre::Viewport* viewport)
 {
     static const char* SOURCE = R"(#version 330
@@ -76,7 +76,7 @@ void main()
     return tone;
 }
 
-// A texture in place of the window, which is not shown
+// Creates a viewport that draws into a texture, because the window is not shown
 static Ogre::Viewport* addScreen(Ogre::Camera* camera, unsigned width, unsigned height)
 {
     Ogre::TexturePtr screen = Ogre::TextureManager::getSingleton().createManual("screen", "General", Ogre::TEX_TYPE_2D,
@@ -87,7 +87,7 @@ static Ogre::Viewport* addScreen(Ogre::Camera* camera, unsigned width, unsigned 
     return viewport;
 }
 
-// One frame, and what it shows
+// Draws a frame, and returns its image
 static Ogre::Image drawn(Ogre::Viewport* viewport)
 {
     viewport->getTarget()->update();
@@ -96,7 +96,7 @@ static Ogre::Image drawn(Ogre::Viewport* viewport)
     return image;
 }
 
-// Four pictures in one: the input, hexagon, near and far field, octagon with the focus elsewhere
+// Writes an image of four parts: the input, a hexagon, the near and far field, and an octagon with another focus
 static void writePicture(const Scene& scene, const std::string& path)
 {
     const unsigned width = 384, height = 256;
@@ -106,13 +106,13 @@ static void writePicture(const Scene& scene, const std::string& path)
     auto bokeh = addBokeh(viewport, scene.subject);
     const float focus = bokeh->uniforms["BokehFocusDistance"];
     pictures.push_back(drawn(viewport));
-    // three points on the crate behind: autofocus takes the nearest
+    // the depths of three points on the crate behind; the autofocus below takes the nearest
     const std::vector<float> picked = {bokeh->depthAt(258, 165), bokeh->depthAt(264, 165), bokeh->depthAt(270, 165)};
     bokeh = addBokeh(viewport, scene.subject, PolygonBokeh::debug());
     bokeh->uniforms["BokehDebugMode"] = 3.0f;
     pictures.push_back(drawn(viewport));
     bokeh = addBokeh(viewport, scene.subject, PolygonBokeh::layered(8));
-    bokeh->pullFocus(std::numeric_limits<float>::infinity(), picked, 0.2f); // where the pull ends
+    bokeh->pullFocus(std::numeric_limits<float>::infinity(), picked, 0.2f); // dt is infinite: at once
     pictures.push_back(drawn(viewport));
     std::vector<Ogre::uchar> pixels(3 * 4 * width * height);
     Ogre::Image sheet;
@@ -143,7 +143,7 @@ int main(int count, char** arguments)
         Scene scene(root);
         if (count == 3 && arguments[1] == std::string("--capture"))
         {
-            // a size that 2, 4 and 8 do not divide
+            // 2, 4 and 8 do not divide this size, so the sizes of targets are rounded up
             Ogre::Viewport* viewport = addScreen(scene.camera, 285, 189);
             auto* tone = addTone(viewport);
             const auto make = [&](const PolygonBokeh::Frame& frame) { return addBokeh(viewport, scene.subject, frame); };

@@ -1,5 +1,5 @@
-// What the sample shows: a tower of crates in focus on a checkered floor, lamps before and behind it.
-// Metres, y up, the camera looks along -z.
+// The sample's scene: a tower of crates in focus on a checkered floor, with lamps in front of it and behind it.
+// Lengths are in metres. y points up, and the camera looks along -z.
 
 #pragma once
 
@@ -19,7 +19,7 @@ public:
         camera = mManager->createCamera("camera");
         camera->setNearClipDistance(0.1f);
         camera->setFarClipDistance(60.0f);
-        camera->setFOVy(Ogre::Degree(27.0f)); // 50 mm on a sensor that is 24 mm high
+        camera->setFOVy(Ogre::Degree(27.0f)); // that of a 50 mm lens on a sensor 24 mm high
         camera->setAspectRatio(1.5f);
         auto* eye = mManager->getRootSceneNode()->createChildSceneNode(Ogre::Vector3(0.0f, 1.5f, 0.0f));
         eye->attachObject(camera);
@@ -28,7 +28,7 @@ public:
         makeProgram("scene/fragment", Ogre::GPT_FRAGMENT_PROGRAM, FRAGMENT);
 
         using Manager = Ogre::SceneManager;
-        // Ogre's own cube is 100 wide, its ball has a radius of 50, its plane is 200 wide
+        // Ogre's cube is 100 units wide, its sphere has a radius of 50, and its plane is 200 wide
         auto* floor = add(Manager::PT_PLANE, {0.0f, 0.0f, -15.0f}, 0.2f, {0.34f, 0.3f, 0.27f}, 0.5f, 0.0f);
         floor->pitch(Ogre::Degree(-90.0f));
         const Ogre::Vector3 crates[] = {{0.55f, 0.25f, 0.1f}, {0.2f, 0.35f, 0.4f}, {0.6f, 0.4f, 0.12f}};
@@ -83,7 +83,7 @@ void main()
         }
     }
 
-    // One thing, with a material of its own
+    // Adds an object with a material of its own
     Ogre::SceneNode* add(Ogre::SceneManager::PrefabType kind, const Ogre::Vector3& place, float scale,
         const Ogre::Vector3& radiance, float cell, float glow)
     {
@@ -113,7 +113,7 @@ void main()
         add(ball, {0.35f, 1.55f, -2.2f}, 0.00024f, 30.0f * colors[1], 1.0f, 1.0f);
         for (int i = 0; i < 18; ++i)
         {
-            // the golden angle: spread evenly, and the same each time
+            // the golden angle spreads the lamps evenly, and they are the same each time
             const float depth = 11.0f + float(i % 5), angle = 2.39996f * float(i), reach = std::sqrt((i + 1) / 18.0f);
             const float half = depth * std::tan(0.5f * camera->getFOVy().valueRadians());
             const float x = 1.3f * half * reach * std::cos(angle);

@@ -1,7 +1,8 @@
-"""For validation/run engines, not for your renderer: what the shaders read and wrote, into the folder given.
+"""Write everything that the shaders read and wrote into a folder, for validation/run engines: python capture.py FOLDER
 
-color.f16, depth.f32 (the buffer), metres.f32, a .f16 for each shot and the targets of the layered ones (.written) are raw
-rows, v = 0 first; capture.json says what they are.
+Your renderer does not need this file. It writes color.f16, depth.f32 (the values of the depth buffer), metres.f32, a
+.f16 file with the result of each shot, and a .written file with all targets of each layered shot. All of these contain
+raw rows, beginning at v = 0. capture.json describes them.
 """
 
 import json
@@ -24,14 +25,19 @@ SHOTS = {
     "paper-octagon": PAPER_OCTAGON,
     "exact-octagon-rotated": EXACT_OCTAGON,
 }
-# degrees, of the one whose name says so: in OpenGL v grows upwards, so that a negative angle is clockwise on the screen
+# Rotation in degrees of the shot whose name ends with "rotated". In OpenGL, v grows upwards, so a negative BokehAngle
+# is clockwise on the screen.
 CLOCKWISE = 10.0
-# under which the autofocus looks
+# Pixels at which the autofocus measures depth
 POINTS = ((304, 82), (190, 128))
 
 
 def pull(focus, depths):
-    """The autofocus, frame by frame."""
+    """Return a record of 12 frames of the autofocus: "pull" in capture.json.
+
+    focus   focus distance before the first frame, metres
+    depths  pixel (x, y) -> depth there, metres
+    """
     found = {"frame": 1 / 30, "seconds": 0.2, "from": focus, "distances": []}
     found["points"] = [[(x + 0.5) / SIZE[0], (y + 0.5) / SIZE[1], depth] for (x, y), depth in depths.items()]
     for _ in range(12):
@@ -41,7 +47,7 @@ def pull(focus, depths):
 
 
 def main(folder):
-    """Every shot of the same frame, focused on the ball."""
+    """Draw every shot with the same frame, focused on the ball, and write the files."""
     context = start()
     renderer = Renderer(context)
     renderer.draw()
@@ -62,7 +68,7 @@ def main(folder):
             targets = [target for step in passes for target in step.framebuffer.color_attachments]
             (folder / shot["written"]).write_bytes(b"".join(target.read() for target in targets))
         if method == "paper":
-            # what the preset MEDIUM stands for
+            # capture.json has no preset for paper: give the values of MEDIUM instead
             shot |= {"depth": "metres.f32", "stored": None, "samples": 9, "spacing": 1.5}
             (folder / "metres.f32").write_bytes(passes[0].framebuffer.read(components=1, dtype="f4"))
         shots.append(shot)

@@ -1,6 +1,6 @@
-"""A small renderer: a table with lights over it, drawn into an RGBA16F and a depth texture, and tone-mapped.
+"""A small renderer. It draws a table with lights into an RGBA16F texture and a depth texture, and tone-maps textures.
 
-Metres, y up, the camera looks along -z.
+Lengths are in metres. y points up, and the camera looks along -z.
 """
 
 from math import atan, cos, pi, sin, tan
@@ -10,7 +10,7 @@ import numpy as np
 
 SIZE = (384, 256)
 NEAR, FAR = 0.1, 50.0
-# vertical; what a lens of 85 mm sees on a sensor that is 24 mm high
+# vertical field of view of an 85 mm lens on a sensor that is 24 mm high, radians
 FIELD_OF_VIEW = 2.0 * atan(0.5 * 0.024 / 0.085)
 EYE, PITCH = (0.0, 0.32, 0.0), -0.09
 BALL = (-0.03, 0.06, -1.5)
@@ -65,7 +65,11 @@ void main()
 
 
 def texture(context, size, kind):
-    """A texture with a linear filter that is clamped: RGBA8, RGBA16F or R32F."""
+    """Create a texture with a linear filter and clamp.
+
+    size  (width, height) in pixels
+    kind  format: "RGBA8", "RGBA16F" or "R32F"
+    """
     channels, dtype = {"RGBA8": (4, "f1"), "RGBA16F": (4, "f2"), "R32F": (1, "f4")}[kind]
     made = context.texture(size, channels, dtype=dtype)
     made.repeat_x = made.repeat_y = False
@@ -73,7 +77,14 @@ def texture(context, size, kind):
 
 
 class FullScreenPass:
-    """One triangle over all targets, reading textures (name of the sampler -> texture), with uniforms of its own."""
+    """A pass that draws a triangle over the whole of its targets.
+
+    vertex    text of the vertex shader
+    fragment  text of the fragment shader
+    textures  name of the sampler -> texture that the pass reads
+    targets   textures that the pass writes
+    uniforms  uniforms that differ from pass to pass
+    """
 
     def __init__(self, context, vertex, fragment, textures, targets, **uniforms):
         self.context, self.textures, self.uniforms = context, textures, uniforms
@@ -82,21 +93,21 @@ class FullScreenPass:
         self.framebuffer = context.framebuffer(targets)
 
     def draw(self, **uniforms):
-        """Uniforms that the shader does not have are passed over."""
+        """Draw the pass. Uniforms that the shader does not have are ignored."""
         for unit, (name, bound) in enumerate(self.textures.items()):
             bound.use(unit)
             uniforms[name] = unit
         for name, value in {**uniforms, **self.uniforms}.items():
             if name in self.program:
                 self.program[name] = value
-        # no blending: alpha is the CoC
+        # turn blending off, because alpha is the CoC
         self.context.disable(moderngl.DEPTH_TEST | moderngl.BLEND | moderngl.CULL_FACE)
         self.framebuffer.use()
         self.triangle.render(moderngl.TRIANGLES, vertices=3)
 
 
 class Renderer:
-    """Leaves `color` (RGBA16F, linear, HDR) and `depth` (0 near .. 1 far)."""
+    """Draws the scene into the textures `color` (RGBA16F, linear HDR) and `depth` (0 near .. 1 far)."""
 
     def __init__(self, context):
         self.context = context
@@ -109,12 +120,12 @@ class Renderer:
         self.shown = texture(context, SIZE, "RGBA8")
 
     def draw(self):
-        """The scene: a table, a wall, two balls, lights before and behind them."""
+        """Draw a table, a wall, two balls, and lights in front of the balls and behind them."""
         self.framebuffer.use()
         self.framebuffer.clear(0.0, 0.0, 0.0, 1.0)
         self.context.enable(moderngl.DEPTH_TEST)
         self.program["ViewProjection"].write((projection() @ view()).T.astype("f4").tobytes())
-        # a sphere that is very flat is a table, another one a wall
+        # the table and the wall are very flat spheres
         self.thing((0.0, -0.001, -3.0), (8.0, 0.001, 3.4), (0.42, 0.34, 0.26), pattern=0.1)
         self.thing((0.0, 0.0, -6.4), (8.0, 4.0, 0.01), (0.06, 0.08, 0.14), pattern=0.4)
         self.thing(BALL, (0.06,) * 3, (0.8, 0.75, 0.7), pattern=0.02)
@@ -123,21 +134,21 @@ class Renderer:
             self.thing(place, (radius,) * 3, color, glow=1.0)
 
     def thing(self, place, scale, color, pattern=1.0, glow=0.0):
-        """One ellipsoid."""
+        """Draw an ellipsoid."""
         values = {"Place": place, "Scale": scale, "Color": color, "Pattern": pattern, "Glow": glow}
         for name, value in values.items():
             self.program[name] = value
         self.sphere.render(moderngl.TRIANGLES)
 
     def picture(self, image):
-        """A texture as people see it: (H, W, 3) uint8, first row on top."""
+        """Return a texture tone-mapped for the screen: (H, W, 3) uint8, top row first."""
         FullScreenPass(self.context, PICTURE_VERTEX, PICTURE_FRAGMENT, {"Image": image}, [self.shown]).draw()
         pixels = np.frombuffer(self.shown.read(), np.uint8).reshape(SIZE[1], SIZE[0], 4)
         return pixels[::-1, :, :3]
 
 
 def lights():
-    """Place, radius and colour of what glows."""
+    """Yield the position, radius and colour of each light."""
     warm, cold, red, green = (1.0, 0.55, 0.2), (0.35, 0.6, 1.0), (1.0, 0.12, 0.06), (0.2, 1.0, 0.4)
     before = [((-0.13, 0.2, -0.9), 0.006, cold, 30.0)]
     beside = [((0.12, 0.03, -1.5), 0.03, green, 12.0)]
@@ -153,7 +164,7 @@ def lights():
 
 
 def view():
-    """World to view, (4, 4)."""
+    """Return the matrix from world space to view space, (4, 4)."""
     move = np.eye(4)
     move[:3, 3] = [-value for value in EYE]
     turn = np.eye(4)
@@ -162,7 +173,7 @@ def view():
 
 
 def projection():
-    """View to clip, (4, 4), OpenGL's."""
+    """Return the matrix from view space to OpenGL's clip space, (4, 4)."""
     scale = 1.0 / tan(0.5 * FIELD_OF_VIEW)
     return np.array(
         [
@@ -175,7 +186,7 @@ def projection():
 
 
 def _sphere(rings=24, segments=48):
-    """Corners of triangles on a sphere of radius 1, (N, 3) float32."""
+    """Return the corners of triangles on a sphere of radius 1, (N, 3) float32."""
     polar, around = np.meshgrid(np.linspace(0, pi, rings + 1), np.linspace(0, 2 * pi, segments + 1), indexing="ij")
     points = np.stack([np.sin(polar) * np.cos(around), np.cos(polar), np.sin(polar) * np.sin(around)], axis=-1)
     a, b, c, d = points[:-1, :-1], points[1:, :-1], points[1:, 1:], points[:-1, 1:]

@@ -1,4 +1,4 @@
-"""A renderer with depth of field, without a window: python sample.py picture.png"""
+"""Draw an image with depth of field, without a window: python sample.py picture.png"""
 
 import sys
 from math import exp, inf, tan
@@ -10,40 +10,52 @@ from depth_of_field import depth_of_field
 from PIL import Image
 from renderer import BALL, FAR, FIELD_OF_VIEW, NEAR, SIZE, Renderer, view
 
-# the lens of the blur is the lens of the picture, at f/1.4: docs/lens.md
+# the blur has the lens that belongs to the field of view, at f/1.4 with a bokeh scale of 1: docs/lens.md
 FOCAL_LENGTH = 0.024 / (2.0 * tan(0.5 * FIELD_OF_VIEW))
 LENS = dict(BokehApertureDiameter=FOCAL_LENGTH / 1.4, BokehFocalLength=FOCAL_LENGTH, BokehSensorHeight=0.024)
 IMAGE = dict(BokehAspectRatio=SIZE[0] / SIZE[1], BokehImageWidth=SIZE[0], BokehImageHeight=SIZE[1])
 DEPTH = dict(BokehDepthKind=1.0, BokehNear=NEAR, BokehFar=FAR)
 BLUR = dict(BokehMaxCoC=0.12, BokehSqueeze=1.0, BokehBleedingBias=0.02, BokehBleedingMult=30.0)
-# the paper's method has these as well
+# uniforms that only paper needs
 PAPER = dict(BokehBlurCoC=1.0, BokehLineLength=1.0)
 
 
 def focus_on(world):
-    """Focus distance for a place in the world: its depth along the view axis, metres."""
+    """Return the focus distance for a point of the world: its depth along the view axis, metres."""
     return -(view() @ [*world, 1.0])[2]
 
 
 def focus_at(renderer, x, y):
-    """Focus distance for a pixel, counted from the lower left: one texel of the depth buffer, in metres."""
+    """Return the focus distance for a pixel, metres: reads one texel of the depth buffer. Waits for the GPU.
+
+    x, y  pixels, counted from the lower left
+    """
     texel = renderer.framebuffer.read((x, y, 1, 1), components=1, attachment=-1, dtype="f4")
     return NEAR * FAR / (FAR - float(np.frombuffer(texel, "f4")[0]) * (FAR - NEAR))
 
 
 def pull_focus(distance, depths, seconds, tau=0.2):
-    """Autofocus: the distance after so many seconds more on its way to the nearest of the depths: docs/lens.md."""
+    """Return the new focus distance of an autofocus that moves smoothly to the nearest of several depths: docs/lens.md.
+
+    distance  current focus distance, metres
+    depths    metres along the view axis
+    seconds   time since the last call; if it is infinite, the focus arrives at once
+    tau       time constant, seconds
+    """
     k = 1.0 - exp(-seconds / tau)
     return 1.0 / ((1.0 - k) / distance + k / min(depths))
 
 
 def start():
-    """An OpenGL context without a window."""
+    """Create an OpenGL context without a window."""
     return moderngl.create_context(standalone=True, require=330, backend="egl")
 
 
 def main(path):
-    """Four pictures in one: the input, hexagon, near and far field, octagon with the focus elsewhere."""
+    """Write an image of four parts: the input, a hexagon, the near and far field, and an octagon with another focus.
+
+    path  of the image file
+    """
     context = start()
     renderer = Renderer(context)
     renderer.draw()
@@ -53,7 +65,7 @@ def main(path):
         step.draw(BokehFocusDistance=focus_on(BALL), **LENS, **IMAGE, **DEPTH, **BLUR)
     hexagon = renderer.picture(result)
 
-    # several points, and no pull: where it ends
+    # focus on the nearest of two points, at once
     picked = pull_focus(focus_on(BALL), [focus_at(renderer, 304, 82), focus_at(renderer, 190, 200)], inf)
     passes, result = depth_of_field(context, renderer.color, renderer.depth, OCTAGON)
     for step in passes:

@@ -1,7 +1,8 @@
-"""For validation/run engines, not for your program: what the shaders read and wrote, into the folder given.
+"""Write everything that the shaders read and wrote into a folder, for validation/run engines: python capture.py FOLDER
 
-color.f16, depth.f32 (the buffer), metres.f32, a .f16 for each shot and the targets of the layered ones (.written) are raw
-rows, v = 0 first; capture.json says what they are.
+Your program does not need this file. It writes color.f16, depth.f32 (the values of the depth buffer), metres.f32, a
+.f16 file with the result of each shot, and a .written file with all targets of each layered shot. All of these contain
+raw rows, beginning at v = 0. capture.json describes them.
 """
 
 import json
@@ -25,21 +26,26 @@ SHOTS = {
     "paper-hexagon": PAPER_HEXAGON,
     "paper-octagon": PAPER_OCTAGON,
 }
-# degrees, of the one whose name says so: in OpenGL v grows upwards, so that a negative angle is clockwise on the screen
+# Rotation in degrees of the shot whose name ends with "rotated". In OpenGL, v grows upwards, so a negative BokehAngle
+# is clockwise on the screen.
 CLOCKWISE = 10.0
 RENDERER, GL_VERSION = 0x1F01, 0x1F02
-# under which the autofocus looks
+# Pixels at which the autofocus measures depth
 POINTS = ((150, 215), (5, 250))
 
 
 def gl_string(name):
-    """What glGetString says."""
+    """Return a string of OpenGL: calls glGetString."""
     function = ffi.cast("const char *(*)(unsigned int)", rl.rlGetProcAddress(b"glGetString"))
     return ffi.string(function(name)).decode()
 
 
 def pull(focus, depths):
-    """The autofocus, frame by frame."""
+    """Return a record of 12 frames of the autofocus: "pull" in capture.json.
+
+    focus   focus distance before the first frame, metres
+    depths  pixel (x, y) -> depth there, metres
+    """
     found = {"frame": 1 / 30, "seconds": 0.2, "from": focus, "distances": []}
     found["points"] = [[(x + 0.5) / SIZE[0], (y + 0.5) / SIZE[1], depth] for (x, y), depth in depths.items()]
     for _ in range(12):
@@ -49,7 +55,7 @@ def pull(focus, depths):
 
 
 def main(folder):
-    """Every shot of the same frame, focused on the drums."""
+    """Draw every shot with the same frame, focused on the drums, and write the files."""
     start()
     scene = Scene()
     scene.draw()
@@ -70,14 +76,14 @@ def main(folder):
             targets = [target for step in passes for target in step.targets]
             (folder / shot["written"]).write_bytes(b"".join(read(target, 8) for target in targets))
         if method == "paper":
-            # what the preset MEDIUM stands for
+            # capture.json has no preset for paper: give the values of MEDIUM instead
             shot |= {"depth": "metres.f32", "stored": None, "samples": 9, "spacing": 1.5}
         shots.append(shot)
     (folder / "color.f16").write_bytes(read(scene.color, 8))
     metres = passes[0].targets[0]
     (folder / "metres.f32").write_bytes(read(metres, 4))
     found = {(x, y): focus_at(metres, x, y) for x, y in POINTS}
-    # the same pass leaves the buffer's own values as they are, if they are said to be metres
+    # depth kind 0 means metres, so the same pass now copies the values of the depth buffer unchanged
     passes[0].draw(**PARAMETERS | {"BokehDepthKind": 0.0})
     (folder / "depth.f32").write_bytes(read(metres, 4))
     capture = {

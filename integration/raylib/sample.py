@@ -1,4 +1,4 @@
-"""raylib with depth of field: python sample.py picture.png"""
+"""Draw an image with raylib and depth of field: python sample.py picture.png"""
 
 import sys
 from math import exp, inf, radians, tan
@@ -10,7 +10,7 @@ from depth_of_field import FLOAT, FullScreenPass, depth_of_field, shader, textur
 from raylib import ffi
 from scene import DRUM, EYE, FAR, FIELD_OF_VIEW, NEAR, SIZE, TARGET, Scene
 
-# the lens of the blur is the lens of the picture, at f/2, its blur ten times as wide: docs/lens.md
+# the blur has the lens that belongs to the field of view, at f/2 with a bokeh scale of 10: docs/lens.md
 FOCAL_LENGTH = 0.024 / (2.0 * tan(0.5 * radians(FIELD_OF_VIEW)))
 PARAMETERS = {
     "BokehDepthKind": 1.0,
@@ -27,7 +27,7 @@ PARAMETERS = {
     "BokehBleedingBias": 0.02,
     "BokehBleedingMult": 30.0,
 }
-# the paper's method has these as well
+# uniforms that only paper needs
 PAPER = {"BokehBlurCoC": 1.0, "BokehLineLength": 1.0}
 
 TONE_MAPPING = """
@@ -44,21 +44,24 @@ void main()
 
 
 def start():
-    """A window that is not shown. raylib has no OpenGL without one."""
+    """Open a hidden window, because raylib has no OpenGL context without a window."""
     rl.SetTraceLogLevel(rl.LOG_WARNING)
     rl.SetConfigFlags(rl.FLAG_WINDOW_HIDDEN)
     rl.InitWindow(*SIZE, b"bokeh")
 
 
 def focus_on(place):
-    """Focus distance for a place in the world: its depth along the view axis, metres."""
+    """Return the focus distance for a point of the world: its depth along the view axis, metres."""
     forward = [target - eye for target, eye in zip(TARGET, EYE, strict=True)]
     length = sum(part * part for part in forward) ** 0.5
     return sum((there - eye) * part for there, eye, part in zip(place, EYE, forward, strict=True)) / length
 
 
 def read(image, texel):
-    """Bytes of a texture with `texel` bytes a texel, v = 0 first."""
+    """Return the bytes of a texture, row by row, beginning at v = 0. Waits for the GPU.
+
+    texel  number of bytes per texel
+    """
     pixels = rl.rlReadTexturePixels(image.id, image.width, image.height, image.format)
     found = bytes(ffi.buffer(pixels, image.width * image.height * texel))
     rl.MemFree(pixels)
@@ -66,25 +69,37 @@ def read(image, texel):
 
 
 def metres_of(depth):
-    """The depth buffer in metres, by a pass of its own: raylib cannot read the buffer itself."""
+    """Return a texture with the depth buffer in metres.
+
+    A pass draws it, because raylib cannot read the depth buffer back.
+    """
     step = FullScreenPass(shader("LINEAR_DEPTH"), {"BokehDepthSamp": depth}, [texture(*SIZE, FLOAT)], {})
     step.draw(**PARAMETERS)
     return step.targets[0]
 
 
 def focus_at(metres, x, y):
-    """Focus distance for a pixel, counted from the lower left: one texel of metres_of()."""
+    """Return the focus distance for a pixel, metres: one texel of metres_of(). Waits for the GPU.
+
+    x, y  pixels, counted from the lower left
+    """
     return unpack_from("f", read(metres, 4), 4 * (y * metres.width + x))[0]
 
 
 def pull_focus(distance, depths, seconds, tau=0.2):
-    """Autofocus: the distance after so many seconds more on its way to the nearest of the depths: docs/lens.md."""
+    """Return the new focus distance of an autofocus that moves smoothly to the nearest of several depths: docs/lens.md.
+
+    distance  current focus distance, metres
+    depths    metres along the view axis
+    seconds   time since the last call; if it is infinite, the focus arrives at once
+    tau       time constant, seconds
+    """
     k = 1.0 - exp(-seconds / tau)
     return 1.0 / ((1.0 - k) / distance + k / min(depths))
 
 
 def picture(image):
-    """Rows of bytes of a texture, tone-mapped, first row on top."""
+    """Return the bytes of a texture, tone-mapped for the screen: a list of rows, top row first."""
     shown = texture(*SIZE, rl.PIXELFORMAT_UNCOMPRESSED_R8G8B8A8)
     FullScreenPass(TONE_MAPPING, {"image": image}, [shown], {}).draw()
     pixels, row = read(shown, 4), 4 * SIZE[0]
@@ -92,7 +107,10 @@ def picture(image):
 
 
 def main(path):
-    """Four pictures in one: the input, hexagon, near and far field, octagon with the focus elsewhere."""
+    """Write an image of four parts: the input, a hexagon, the near and far field, and an octagon with another focus.
+
+    path  of the image file
+    """
     start()
     scene = Scene()
     scene.draw()
@@ -106,7 +124,7 @@ def main(path):
         step.draw(BokehFocusDistance=focus_on(DRUM), BokehDebugMode=3.0, **PARAMETERS)
 
     metres = metres_of(scene.depth)
-    # several points, and no pull: where it ends
+    # focus on the nearest of two points, at once
     picked = pull_focus(focus_on(DRUM), [focus_at(metres, 150, 215), focus_at(metres, 5, 250)], inf)
     octagon, other = depth_of_field(scene.color, scene.depth, OCTAGON)
     for step in octagon:

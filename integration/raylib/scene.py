@@ -1,6 +1,6 @@
-"""What the sample shows: a tower of drums in focus on a checkered ground, lamps before and behind it.
+"""The sample's scene: a tower of drums in focus on a checkered ground, with lamps in front of it and behind it.
 
-Metres, y up, the camera looks along -z.
+Lengths are in metres. y points up, and the camera looks along -z.
 """
 
 from math import cos, radians, sin, tan
@@ -11,7 +11,7 @@ from raylib import ffi
 
 SIZE = (384, 256)
 NEAR, FAR = 0.1, 60.0
-FIELD_OF_VIEW = 27.0  # degrees, vertical: what a lens of 50 mm sees on a sensor that is 24 mm high
+FIELD_OF_VIEW = 27.0  # degrees, vertical: that of a 50 mm lens on a sensor 24 mm high
 EYE, TARGET = (0.0, 1.5, 0.0), (0.0, 1.1, -5.0)
 DRUM = (-0.35, 1.2, -4.65)
 
@@ -28,7 +28,7 @@ void main()
     gl_Position = mvp * vec4(vertexPosition, 1.0);
 }
 """
-# colDiffuse ends at 1: light comes by a uniform of its own
+# raylib clamps colDiffuse to 1, so the brightness is a uniform of its own
 FRAGMENT = b"""
 #version 330
 uniform vec3 radiance;
@@ -46,11 +46,11 @@ void main()
 
 
 class Scene:
-    """Leaves `color` (RGBA16F, linear, HDR) and `depth` (0 near .. 1 far)."""
+    """Draws the scene into the textures `color` (RGBA16F, linear HDR) and `depth` (0 near .. 1 far)."""
 
     def __init__(self):
         width, height = SIZE
-        # not LoadRenderTexture: its colour has 8 bits, its depth cannot be read
+        # LoadRenderTexture would give colour with 8 bits per channel, and depth that no shader can read
         self.color = texture(width, height, HALF)
         depth = rl.rlLoadTextureDepth(width, height, False)
         self.depth = ffi.new("Texture *", (depth, width, height, 1, FLOAT))[0]
@@ -68,7 +68,7 @@ class Scene:
         self.camera = ffi.new("Camera3D *", (EYE, TARGET, (0.0, 1.0, 0.0), FIELD_OF_VIEW, rl.CAMERA_PERSPECTIVE))[0]
 
     def draw(self):
-        """One frame."""
+        """Draw a frame."""
         rl.rlSetClipPlanes(NEAR, FAR)
         rl.BeginTextureMode(self.target)
         rl.ClearBackground((0, 0, 0, 255))
@@ -83,7 +83,7 @@ class Scene:
         rl.EndTextureMode()
 
     def thing(self, mesh, place, scale, radiance, cell=1.0, glow=0.0):
-        """One mesh."""
+        """Draw a mesh."""
         for name, value in (("radiance", radiance), ("cell", (cell,)), ("glow", (glow,))):
             kind = rl.SHADER_UNIFORM_VEC3 if len(value) == 3 else rl.SHADER_UNIFORM_FLOAT
             where = rl.GetShaderLocation(self.material.shader, name.encode())
@@ -93,11 +93,11 @@ class Scene:
 
 
 def lamps():
-    """Place, radius and colour of what glows."""
+    """Yield the position, radius and colour of each lamp."""
     warm, cold, red, green = (1.0, 0.5, 0.2), (0.3, 0.55, 1.0), (1.0, 0.15, 0.1), (0.2, 1.0, 0.45)
     yield (0.35, 1.55, -2.2), 0.012, tuple(30.0 * channel for channel in cold)
     for index in range(18):
-        # the golden angle: spread evenly, and the same each time
+        # the golden angle spreads the lamps evenly, and they are the same each time
         depth, angle, reach = 11.0 + index % 5, 2.39996 * index, ((index + 1) / 18) ** 0.5
         half = depth * tan(radians(0.5 * FIELD_OF_VIEW))
         place = (1.3 * half * reach * cos(angle), 1.6 + 0.55 * half * (1.0 + reach * sin(angle)) - 0.09 * depth, -depth)

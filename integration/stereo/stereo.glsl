@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: MIT
 //
-// Both eyes in one texture array: put this before bokeh.glsl (docs/inputs.md).
+// Reads both eyes from one texture array. Put this file in front of bokeh.glsl (docs/inputs.md).
 
 #define BOKEH_CUSTOM_FETCH 1
 #define BOKEH_TEXTURE sampler2DArray
 #define BOKEH_DEPTH_TEXTURE sampler2DArray
-uniform float BokehEye; // 0 left, 1 right; with multiview gl_ViewID_OVR
+uniform float BokehEye; // 0: left eye, 1: right eye; with multiview, use gl_ViewID_OVR
 vec4 BokehFetchTexture(sampler2DArray tex, vec2 coords)
 {
     return textureLod(tex, vec3(coords, BokehEye), 0.0);

@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: MIT
 //
-// Both eyes in one texture array: put this before bokeh.hlsl (docs/inputs.md). Functions that filter have the
-// sampler as their last parameter.
+// Reads both eyes from one texture array. Put this file in front of bokeh.hlsl (docs/inputs.md).
+// Functions that filter have the sampler as their last parameter.
 
 #define BOKEH_CUSTOM_FETCH 1
 #define BOKEH_TEXTURE Texture2DArray
 #define BOKEH_DEPTH_TEXTURE Texture2DArray
 #define BOKEH_SAMPLER , SamplerState BokehLinearClamp
 #define BOKEH_LINEAR , BokehLinearClamp
-static float BokehEye = 0.0; // 0 left, 1 right: from SV_ViewID, or a uniform
+static float BokehEye = 0.0; // 0: left eye, 1: right eye; set it from SV_ViewID or a uniform
 float4 BokehFetchTexture(Texture2DArray tex, float2 coords, SamplerState BokehLinearClamp)
 {
     return tex.SampleLevel(BokehLinearClamp, float3(coords, BokehEye), 0.0);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
-// Depth of field for a renderer on Vulkan 1.3 with the features dynamicRendering and synchronization2.
-// Copy this file, frames.h, BokehParameters.h and the SPIR-V of the passes, which sample.cpp makes.
+// Adds depth of field to a renderer that uses Vulkan 1.3 with the features dynamicRendering and synchronization2.
+// Copy this file, frames.h, BokehParameters.h, and the SPIR-V of the passes, which sample.cpp compiles.
 #pragma once
 #include <vulkan/vulkan.hpp>
 
@@ -20,7 +20,7 @@ struct BokehUse { // one side of a barrier
     vk::ImageLayout layout;
 };
 
-// Images and buffers of a device, which live as long as this.
+// Creates images and buffers on a device, and owns them: they live as long as this object.
 struct BokehDevice {
     const vk::PhysicalDevice gpu;
     const vk::Device device;
@@ -38,7 +38,7 @@ struct BokehDevice {
         return *memories.emplace_back(device.allocateMemoryUnique({needs.size, i}));
     }
 
-    // A buffer that the processor writes or reads at `mapped`.
+    // Creates a buffer that the CPU can write and read, and sets `mapped` to its address.
     vk::Buffer make_buffer(vk::DeviceSize size, vk::BufferUsageFlags usage, char *&mapped)
     {
         const vk::Buffer buffer = *buffers.emplace_back(device.createBufferUnique({{}, size, usage}));
@@ -62,7 +62,7 @@ struct BokehDevice {
             device.createImageViewUnique({{}, image, vk::ImageViewType::e2D, format, {}, {aspect, 0, 1, 0, 1}}));
     }
 
-    // Memory for images of which only one is in use at a time.
+    // Allocates one block of memory for several images. Only one of them may be in use at a time.
     void share_memory(const std::vector<vk::Image> &sharing)
     {
         vk::MemoryRequirements needs(0, 0, ~0u);
@@ -96,7 +96,7 @@ struct BokehDevice {
 };
 
 struct PolygonBokeh : BokehDevice {
-    static constexpr uint32_t FRAMES = 2; // that the device may be at work on
+    static constexpr uint32_t FRAMES = 2; // maximum number of frames in flight
     static constexpr vk::Format FORMAT = vk::Format::eR16G16B16A16Sfloat;
     using Stage = vk::PipelineStageFlagBits2;
     using Access = vk::AccessFlagBits2;
@@ -105,21 +105,27 @@ struct PolygonBokeh : BokehDevice {
     static constexpr BokehUse WRITE = {Stage::eColorAttachmentOutput, Access::eColorAttachmentWrite,
                                        vk::ImageLayout::eColorAttachmentOptimal};
 
-    // docs/reference/parameters.md. Change them at any time: record() copies them.
+    // docs/reference/parameters.md describes the parameters. You may change them at any time: record() copies them.
     BokehParameters parameters = {
         .ApertureDiameter = 0.179f, .FocalLength = 0.05f, .FocusDistance = 5.0f, .SensorHeight = 0.024f,
         .MaxCoC = 0.1f, .BleedingBias = 0.02f, .BleedingMult = 30.0f, .Squeeze = 1.0f,
-        .DepthKind = 1.0f, .Near = 0.1f, .Far = 1000.0f}; // 1: 0 at the near plane, 1 at the far plane
+        .DepthKind = 1.0f, .Near = 0.1f, .Far = 1000.0f}; // DepthKind 1: 0 at the near plane, 1 at the far plane
 
     struct Target {
         vk::Image image;
         vk::ImageView view;
         vk::Extent2D size;
     };
-    std::map<std::string, Target> targets; // by the names in frames.h
+    std::map<std::string, Target> targets; // by their names in frames.h
 
-    // frame         one of frames.h, which must stay; folder: of ENTRY.spv
-    // color, depth  of `size`, one sample a pixel, one aspect: linear HDR, the depth buffer
+    // Creates the targets, the descriptor sets and the pipelines. Throws std::runtime_error if it cannot read the
+    // SPIR-V.
+    //
+    // frame   a table of frames.h, which must outlive this object
+    // folder  contains the SPIR-V: ENTRY.spv for the entry of each pass, and BokehFullScreen.spv
+    // size    of the image, pixels
+    // color   view of linear HDR colour of this size, one sample per pixel
+    // depth   view of the depth aspect of a depth buffer of this size, one sample per pixel
     PolygonBokeh(vk::PhysicalDevice gpu, vk::Device device, const std::vector<BokehPass> &frame,
                  const std::string &folder, vk::Extent2D size, vk::ImageView color, vk::ImageView depth)
         : BokehDevice{gpu, device}, frame(frame)
@@ -135,8 +141,12 @@ struct PolygonBokeh : BokehDevice {
             make_pipeline(pass, *vertex, *load(folder, pass.entry));
     }
 
-    // The effect, outside of a rendering; number: of the frame, 0, 1 .. Before it, what writes colour and depth has
-    // been waited for, and they are as READ says; after it, "result" is.
+    // Records all passes. Do not call it between vkCmdBeginRendering and vkCmdEndRendering.
+    //
+    // number  of the frame: a counter that goes up by one per frame
+    //
+    // Record a barrier of your own before the call: it must make colour and depth readable in the stage, access and
+    // layout of READ. After the call, targets["result"] is readable in the same way.
     void record(vk::CommandBuffer commands, uint32_t number)
     {
         for (size_t i = 0; i < frame.size(); i++)
@@ -148,13 +158,15 @@ struct PolygonBokeh : BokehDevice {
         std::vector<vk::RenderingAttachmentInfo> attachments;
         vk::Rect2D area;
         for (const std::string &name : frame[index].writes) {
-            // What was in this memory, of another target too, has been read, and nothing of it is kept
+            // Wait until earlier passes have finished with this memory, which may be shared with other targets, and
+            // discard its contents
             const BokehUse before = {WRITE.stages | READ.stages, WRITE.access, vk::ImageLayout::eUndefined};
             barrier(commands, targets[name].image, before, WRITE);
             attachments.emplace_back(targets[name].view, WRITE.layout).setLoadOp(vk::AttachmentLoadOp::eDontCare);
             area.extent = targets[name].size;
         }
-        // The device reads the parameters later, so that a pass cannot change them: a frame has two copies
+        // The device reads the parameters only when it executes the commands. One copy would have the values of the
+        // last pass then, so each frame has two copies.
         const uint32_t offset = uint32_t(BLOCK * (number % FRAMES * 2 + frame[index].copy));
         BokehParameters values = parameters;
         values.Axis = values.Layer = (float)frame[index].copy;
@@ -163,15 +175,16 @@ struct PolygonBokeh : BokehDevice {
         commands.beginRendering({{}, area, 1, 0, attachments});
         commands.bindPipeline(vk::PipelineBindPoint::eGraphics, *pipelines[index]);
         commands.bindDescriptorSets(vk::PipelineBindPoint::eGraphics, *layout, 0, sets[index], offset);
-        commands.draw(3, 1, 0, 0); // BokehFullScreen makes its vertices
+        commands.draw(3, 1, 0, 0); // BokehFullScreen makes the vertices
         commands.endRendering();
         for (const std::string &name : frame[index].writes)
             barrier(commands, targets[name].image, WRITE, READ);
     }
 
 private:
-    static constexpr vk::DeviceSize BLOCK = 256; // no device wants uniform blocks further apart
-    // Bindings of set 0: parameters, BokehColorSamp and B to F, BokehDepthSamp, HLSL's sampler
+    static constexpr vk::DeviceSize BLOCK = 256; // bytes between two copies; no device may require a larger alignment
+    // Bindings of descriptor set 0: the parameters, BokehColorSamp and BokehColorSampB to F, BokehDepthSamp, and the
+    // sampler of HLSL
     static constexpr uint32_t PARAMETERS = 0, COLORS[] = {1, 3, 4, 5, 8, 9}, DEPTH = 2, SAMPLER = 7;
     const std::vector<BokehPass> &frame;
     vk::UniqueSampler linear, nearest;
@@ -180,7 +193,7 @@ private:
     vk::Buffer blocks;
     char *mapped;
     vk::UniqueDescriptorPool pool;
-    std::vector<vk::DescriptorSet> sets; // of each pass
+    std::vector<vk::DescriptorSet> sets; // one for each pass
     std::vector<vk::UniquePipeline> pipelines;
 
     void make_targets(vk::Extent2D size)
@@ -202,8 +215,9 @@ private:
             target.view = make_view(target.image, FORMAT, vk::ImageAspectFlagBits::eColor);
     }
 
-    // A set for each pass; what a pass does not read is left unwritten. GLSL's textures are combined with their
-    // sampler, and HLSL's may be in the same descriptors.
+    // Creates a descriptor set for each pass. A texture that the pass does not read gets no descriptor; only depth is
+    // always bound. The descriptors of textures are combined image samplers, as GLSL needs them, and shaders from HLSL
+    // can read textures from them too.
     void make_sets(vk::ImageView color, vk::ImageView depth)
     {
         const auto block = vk::DescriptorType::eUniformBufferDynamic, alone = vk::DescriptorType::eSampler;
@@ -244,13 +258,14 @@ private:
         return device.createShaderModuleUnique({{}, code.size(), (const uint32_t *)code.data()});
     }
 
-    // No vertex buffer, depth test, culling or blending: alpha is data.
+    // Creates the pipeline of a pass. It has no vertex buffer, depth test or culling. It has no blending either,
+    // because alpha is data.
     void make_pipeline(const BokehPass &pass, vk::ShaderModule vertex, vk::ShaderModule fragment)
     {
         const std::string entry = pass.entry + "_PS";
         const vk::Rect2D area({}, targets[pass.writes[0]].size);
         const vk::Viewport whole(0, 0, (float)area.extent.width, (float)area.extent.height, 0, 1);
-        // Compilers write the loops of the last pass out where they know the number of sides
+        // If the number of sides is a constant, compilers can unroll the loops of the last pass
         const vk::SpecializationMapEntry sides(0, 0, sizeof pass.sides);
         const vk::SpecializationInfo constants(1, &sides, sizeof pass.sides, &pass.sides);
         const vk::PipelineShaderStageCreateInfo stages[] = {

@@ -1,8 +1,8 @@
 #version 450
 // SPDX-License-Identifier: MIT
-// The package's passes as they are; BOKEH_PASS comes from the command line.
+// The passes of the library, without changes. The compiler's command line defines BOKEH_PASS.
 #extension GL_GOOGLE_include_directive : require
-// of each pipeline
+// a specialization constant, which each pipeline sets to its number of sides
 layout(constant_id = 0) const int BokehKnownSides = 0;
 #define BOKEH_SIDES BokehKnownSides
 #include "../../glsl/bokeh.glsl"

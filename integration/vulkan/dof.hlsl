@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// The package's passes as they are.
+// The passes of the library, without changes.
 #define BOKEH_HLSL_SM 6
-// of each pipeline
+// a specialization constant, which each pipeline sets to its number of sides
 [[vk::constant_id(0)]] const int BokehKnownSides = 0;
 #define BOKEH_SIDES BokehKnownSides
 #include "../../hlsl/bokeh.hlsl"

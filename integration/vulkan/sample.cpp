@@ -1,14 +1,21 @@
 // SPDX-License-Identifier: MIT
 //
-// PolygonBokeh.h on a picture with depth, without a window:
+// Blurs an image with PolygonBokeh.h, without a window:
 //
 //   sample glsl|hlsl layered-hexagon|layered-octagon|exact-hexagon|exact-octagon FOLDER [ROTATION]
 //
-// ROTATION is clockwise, in degrees; it is 0 if you leave it out.
+// ROTATION rotates the polygon clockwise, in degrees. If you leave it out, it is 0.
 //
-// FOLDER has camera.txt (width and height; aperture diameter, focal length and focus distance in metres, largest CoC as
-// a share of the height, near and far plane), color.f16 (RGBA, linear) and depth.f32 (0 near .. 1 far), rows from the
-// upper one on. The result goes there too, NAME.f16, and for the tests all that the passes wrote, NAME.written.
+// FOLDER must contain these files:
+//
+//   camera.txt  eight numbers: width and height of the image in pixels; aperture diameter, focal length and focus
+//               distance in metres; largest CoC as a fraction of the image height; distances of the near plane and of
+//               the far plane in metres
+//   color.f16   linear colour: RGBA as half floats, top row first
+//   depth.f32   depth as floats, 0 at the near plane and 1 at the far plane, top row first
+//
+// The sample writes its result into FOLDER as NAME.f16, where NAME is the second argument, for example layered-hexagon.
+// For the tests, it also writes all targets of all passes, as NAME.written.
 #include <cstdlib>
 #include <iostream>
 #include <sstream>
@@ -25,7 +32,8 @@ static const BokehUse NOTHING = {}, COPY_FROM = {vk::PipelineStageFlagBits2::eCo
 static const BokehUse COPY_TO = {vk::PipelineStageFlagBits2::eCopy, vk::AccessFlagBits2::eTransferWrite,
                                  vk::ImageLayout::eTransferDstOptimal};
 
-// SPIR-V by the compilers of the Vulkan SDK, into the folder; an engine does that when it is built.
+// Compiles an entry point to SPIR-V, with the compilers of the Vulkan SDK, and writes it into the folder. An engine
+// does this at build time.
 static void compile(bool hlsl, const std::string &folder, const std::string &entry, const std::string &define,
                     bool vertex = false)
 {
@@ -42,7 +50,8 @@ static void compile(bool hlsl, const std::string &folder, const std::string &ent
         throw std::runtime_error("cannot compile " + name);
 }
 
-// What your renderer draws, here the bytes of a file.
+// Uploads the bytes of a file to a new image, and returns a view of it. In your engine, the renderer draws these images
+// instead.
 static vk::ImageView upload(BokehDevice &own, vk::CommandBuffer commands, const std::string &file, vk::Extent2D size,
                             vk::Format format, vk::ImageAspectFlags aspect)
 {
@@ -79,9 +88,9 @@ static void draw(vk::PhysicalDevice gpu, vk::Device device, bool hlsl, std::stri
     PolygonBokeh bokeh(gpu, device, frame, folder, size, color, depth);
     BokehParameters &set = bokeh.parameters;
     camera >> set.ApertureDiameter >> set.FocalLength >> set.FocusDistance >> set.MaxCoC >> set.Near >> set.Far;
-    set.Angle = rotation * 3.14159265f / 180; // v grows downwards, so that this is clockwise
+    set.Angle = rotation * 3.14159265f / 180; // clockwise, because v grows downwards
     bokeh.record(commands, 0);
-    // the same again, with a copy of what each pass wrote before another one takes its memory
+    // record the passes again, and copy the targets of each pass before another pass overwrites their memory
     char *mapped;
     size_t bytes = 0, result = 8 * size.width * size.height;
     const auto copies = own.make_buffer(4 * result * frame.size(), vk::BufferUsageFlagBits::eTransferDst, mapped);
@@ -96,7 +105,7 @@ static void draw(vk::PhysicalDevice gpu, vk::Device device, bool hlsl, std::stri
             bytes += 8 * area.width * area.height;
         }
     }
-    // waiting for the device does not show its writes to the processor
+    // waitIdle alone does not make the device's writes visible to the CPU
     const vk::MemoryBarrier2 shown(COPY_TO.stages, COPY_TO.access, vk::PipelineStageFlagBits2::eHost,
                                    vk::AccessFlagBits2::eHostRead);
     commands.pipelineBarrier2({{}, shown});
@@ -116,7 +125,7 @@ try {
     const vk::PhysicalDevice gpu = instance->enumeratePhysicalDevices().at(0);
     std::cout << gpu.getProperties().deviceName << std::endl;
     const float priority = 1;
-    const vk::DeviceQueueCreateInfo queue({}, 0, 1, &priority); // the first family, which draws
+    const vk::DeviceQueueCreateInfo queue({}, 0, 1, &priority); // the first queue family, which must support graphics
     const auto features = vk::PhysicalDeviceVulkan13Features().setSynchronization2(true).setDynamicRendering(true);
     const auto device = gpu.createDeviceUnique(vk::DeviceCreateInfo({}, queue).setPNext(&features));
     draw(gpu, *device, argv[1] == std::string("hlsl"), argv[2], argv[3], argc > 4 ? std::stof(argv[4]) : 0);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 
-//! The least of a game, for a project of its own: this crate asks for a Bevy without windows.
+//! A minimal game. Copy it into a project of your own to run it: this crate builds Bevy without support for windows.
 
 use bevy::prelude::*;
 use bokeh_bevy::{Bokeh, BokehPlugin};
@@ -20,7 +20,7 @@ fn setup(mut commands: Commands, mut meshes: ResMut<Assets<Mesh>>, mut materials
     ));
     commands
         .spawn((DirectionalLight::default(), Transform::default().looking_to(Vec3::new(-0.5, -0.7, -1.0), Vec3::Y)));
-    // One cube is in focus, one is before it, the others are behind it
+    // One cube is in focus, one is in front of it, and the others are behind it
     let cube = meshes.add(Cuboid::default());
     for step in -1..8 {
         let material = MeshMaterial3d(materials.add(Color::hsl(40.0 * (step + 1) as f32, 0.8, 0.5)));

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 
-//! Depth of field with polygonal bokeh for perspective 3D cameras: add [`BokehPlugin`], put a [`Bokeh`] on the camera.
+//! Depth of field with polygonal bokeh for perspective 3D cameras. Add [`BokehPlugin`] to the app, and the component
+//! [`Bokeh`] to the camera.
 
 #[rustfmt::skip]
 mod passes;
@@ -24,7 +25,9 @@ use bevy::{
     },
 };
 
-/// How finely is sampled.
+/// The number of samples that the blur takes, and the distance between them. More samples look smoother and cost more.
+///
+/// With `Mobile`, [`BokehMethod::Layered`] also blurs its layers at a quarter of the image's size instead of half.
 #[derive(Reflect, Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum BokehPreset {
     Mobile,
@@ -35,15 +38,16 @@ pub enum BokehPreset {
     Ultra,
 }
 
-/// Constants of the shaders that a preset sets.
+/// Names of the shader constants that a preset sets.
 const CONSTANTS: [&str; 5] =
     ["BOKEH_NUM_SAMPLES", "BOKEH_LAYER_RINGS", "BOKEH_LAYER_SAMPLES", "BOKEH_LAYER_CUBIC", "BOKEH_LAYER_SCALE"];
-/// The type of depth in the shaders, and what it is where depth is multisampled.
+/// The line of the shaders that declares the type of the depth texture, and the line that replaces it if depth is
+/// multisampled.
 const DEPTH: [&str; 2] =
     ["alias BokehDepthTexture = texture_2d<f32>;", "alias BokehDepthTexture = texture_depth_multisampled_2d;"];
 
 impl BokehPreset {
-    /// Of [`CONSTANTS`], then pixels between samples.
+    /// Returns the values of [`CONSTANTS`], and the distance between samples in pixels.
     fn numbers(self) -> ([i32; 5], f32) {
         match self {
             Self::Mobile => ([5, 0, 18, 0, 4], 2.0),
@@ -54,28 +58,31 @@ impl BokehPreset {
         }
     }
 
-    /// [`Pass::scale`] with this preset: the tables have layers of half size, and those of `Mobile` have a quarter.
+    /// Returns [`Pass::scale`] for this preset. In the tables, the layers have half the image's size; with `Mobile`,
+    /// they have a quarter.
     fn scale(self, pass: &Pass) -> u32 {
         if self == Self::Mobile && pass.scale == 2 { 4 } else { pass.scale }
     }
 }
 
-/// Depth of field for every camera that has a [`Bokeh`]. Add it after `DefaultPlugins`.
+/// Draws depth of field for every camera that has a [`Bokeh`]. Add this plugin after `DefaultPlugins`.
 pub struct BokehPlugin;
 
-/// How the polygon is made: docs/methods.
+/// The way in which the blur is computed. docs/start.md in the repository compares the methods.
 #[derive(Reflect, Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum BokehMethod {
-    /// Near objects spread over what is behind them, and what they hide is filled.
+    /// Blurred near objects spread over the sharp background, and the background that they hide is filled from its
+    /// surroundings.
     #[default]
     Layered,
-    /// Each pixel by its own circle of confusion, in three passes: near objects keep a hard outline.
+    /// Blurs each pixel by its own circle of confusion, in three passes. Blurred near objects keep a hard outline.
     Exact,
-    /// The paper's lines, combined by min: hexagon and octagon only, of which the others get the first.
+    /// Blurs along lines and combines the results by their minimum, as in the paper of 2012 (docs/paper.md). Draws only
+    /// hexagons and octagons: a square or decagon becomes a hexagon.
     Paper,
 }
 
-/// The aperture, by its number of blades.
+/// The shape of the bokeh. The values are the numbers of sides.
 #[derive(Reflect, Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum BokehShape {
     Square = 4,
@@ -85,47 +92,53 @@ pub enum BokehShape {
     Decagon = 10,
 }
 
-/// What is shown in place of the result; the values are those of BokehDebugMode.
+/// A view that is shown instead of the result. The values are those of the shader parameter BokehDebugMode.
 #[derive(Reflect, Clone, Copy, Debug, PartialEq, Eq)]
 pub enum BokehDebug {
-    /// The colour that goes in.
+    /// The colour that the effect reads.
     Color = 0,
-    /// Black at the camera, grey at the focus distance, white at infinity.
+    /// Depth: black at the camera, grey at the focus distance, white at infinity.
     Depth = 1,
-    /// Black in focus, white at `max_coc`.
+    /// The circle of confusion: black in focus, white at `max_coc`.
     CircleOfConfusion = 2,
-    /// Orange before the focus, blue behind it.
+    /// Orange in front of the focus distance, blue behind it, and black where the image is sharp.
     Focus = 3,
 }
 
-/// The lens of a camera; all of it may change in any frame. Lengths are in metres: one unit of the world is one metre.
+/// Gives a camera depth of field. Every field may change in any frame. Lengths are in metres: one unit of the world is
+/// one metre.
 ///
-/// Turns HDR on. With [`Msaa`], depth is that of the first sample.
+/// This component requires [`Hdr`], so adding it turns HDR on. If the camera uses [`Msaa`], the effect reads the depth
+/// of the first sample of each pixel.
 #[derive(Component, ExtractComponent, Reflect, Clone, Debug)]
 #[extract_app(RenderApp)]
 #[reflect(Component, Default, Debug, Clone)]
 #[require(Hdr)]
 pub struct Bokeh {
-    /// 0 turns the effect off: no pass is drawn.
+    /// Diameter of the aperture. The default is f/2.8 with a bokeh scale of 10. 0 turns the effect off: no pass is
+    /// drawn, unless `debug` is set.
     pub aperture_diameter: f32,
     pub focal_length: f32,
-    /// Along the view axis, more than the focal length: see [`view_depth`].
+    /// Distance along the view axis at which objects are sharp; it must be more than the focal length. [`view_depth`]
+    /// computes it for a point of the world.
     pub focus_distance: f32,
     pub sensor_height: f32,
-    /// Largest circle of confusion, fraction of the image height.
+    /// Largest circle of confusion (the diameter of the blur), as a fraction of the image height.
     pub max_coc: f32,
-    /// Factor of the circle of confusion in front of the focus distance.
+    /// Multiplies the circle of confusion in front of the focus distance. [`BokehMethod::Paper`] ignores this field and
+    /// the next three.
     pub near_scale: f32,
-    /// Factor of the circle of confusion behind the focus distance.
+    /// Multiplies the circle of confusion behind the focus distance.
     pub far_scale: f32,
-    /// Limit in front of the focus distance, as `max_coc`, which limits both sides.
+    /// Largest circle of confusion in front of the focus distance, as a fraction of the image height. `max_coc` applies
+    /// too.
     pub near_max_coc: f32,
-    /// Limit behind the focus distance.
+    /// Largest circle of confusion behind the focus distance, as a fraction of the image height. `max_coc` applies too.
     pub far_max_coc: f32,
     pub method: BokehMethod,
     pub shape: BokehShape,
     pub preset: BokehPreset,
-    /// Of the polygon, radians, clockwise on the screen.
+    /// Rotation of the polygon, radians, clockwise on the screen.
     pub rotation: f32,
     pub debug: Option<BokehDebug>,
 }
@@ -152,36 +165,51 @@ impl Default for Bokeh {
 }
 
 impl Bokeh {
-    /// The lens of a camera's vertical field of view (radians), at an f-stop, 2.8, with a blur `bokeh_scale` times as wide,
-    /// 10: 1 is the real lens, which hardly blurs at a game's field of view (docs/lens.md), 0 is none.
+    /// Returns a `Bokeh` with the focal length and aperture of a camera's lens, and defaults for all other fields.
+    ///
+    /// * `fov`: vertical field of view of the camera, radians
+    /// * `f_stop`: for example 2.8; a lower f-stop blurs more
+    /// * `bokeh_scale`: multiplies the width of the blur; 10 is a good value to begin with. 1 is the blur of a real
+    ///   lens, which hardly blurs at a game's field of view (docs/lens.md). 0 turns the effect off.
     pub fn with_lens(fov: f32, f_stop: f32, bokeh_scale: f32) -> Self {
         let lens = Self::default();
         let focal_length = lens.sensor_height / (2.0 * (0.5 * fov).tan());
         Self { focal_length, aperture_diameter: focal_length / f_stop * bokeh_scale, ..lens }
     }
 
-    /// Moves the focus towards the nearest of these depths; call it once a frame of `dt` seconds. 1 / distance changes
-    /// evenly, not the distance; `tau` is the time constant (docs/lens.md). With an infinite `dt`, it arrives at once.
+    /// Moves the focus smoothly towards the nearest of several depths. Call this once per frame.
+    ///
+    /// * `dt`: time since the last frame, seconds; if it is infinite, the focus arrives at once
+    /// * `depths`: depths along the view axis, metres, for example from [`view_depth`]
+    /// * `tau`: time constant of the movement, seconds
+    ///
+    /// The function interpolates 1 / distance instead of the distance, because the width of the blur depends on
+    /// 1 / distance (docs/lens.md).
     pub fn pull_focus(&mut self, dt: f32, depths: impl IntoIterator<Item = f32>, tau: f32) {
         let nearest = depths.into_iter().fold(f32::INFINITY, f32::min);
         let k = 1.0 - (-dt / tau).exp();
-        // recovers from 0 and NaN
+        // if the distance is NaN or not positive, begin at the nearest depth
         let from = if self.focus_distance > 0.0 { self.focus_distance } else { nearest };
         self.focus_distance = 1.0 / ((1.0 - k) / from + k / nearest);
     }
 }
 
-/// Depth of a point of the world along a camera's view axis, metres: the focus distance at which it is sharp.
+/// Returns the depth of a point of the world along a camera's view axis, metres. This is the focus distance at which
+/// the point is sharp.
 pub fn view_depth(camera: &GlobalTransform, point: Vec3) -> f32 {
     (point - camera.translation()).dot(*camera.forward())
 }
 
-/// The effect's place in [`Core3d`], for what wants to be before or after it.
+/// The system set of the effect, in the schedule [`Core3d`]. Use it to order your own systems before or after the
+/// effect.
 #[derive(SystemSet, Clone, Debug, PartialEq, Eq, Hash)]
 pub struct BokehSystems;
 
-/// What a view's passes write before the result, by name, in their order, in the render world. It may be copied from:
-/// Rgba16Float, but R32Float for the "metres" along the view axis of [`BokehMethod::Paper`].
+/// The textures that a view's passes write, except the result: name and texture, in the order of the passes. This
+/// component belongs to the view's entity in the render world.
+///
+/// You can copy from the textures. Their format is Rgba16Float, with one exception: "metres" of [`BokehMethod::Paper`],
+/// the depth along the view axis, is R32Float.
 #[derive(Component)]
 pub struct BokehTextures(pub Vec<(&'static str, CachedTexture)>);
 
@@ -202,7 +230,7 @@ impl Plugin for BokehPlugin {
             .add_systems(Render, prepare_bokeh.in_set(RenderSystems::PrepareResources))
             .add_systems(
                 Core3d,
-                // Bloom and tone mapping are in PostProcess
+                // PostProcess contains bloom and tone mapping
                 bokeh.in_set(BokehSystems).after(Core3dSystems::EarlyPostProcess).before(Core3dSystems::PostProcess),
             );
     }
@@ -215,29 +243,30 @@ fn let_depth_be_read(mut cameras: Query<&mut Camera3d, Added<Bokeh>>) {
     }
 }
 
-/// One full-screen pass.
+/// Describes one full-screen pass.
 pub struct Pass {
-    /// Of `bokeh.wgsl`.
+    /// Its entry point in `bokeh.wgsl`.
     pub entry: &'static str,
-    /// Textures for BokehColorSamp, BokehColorSampB to F: of passes before it, or "color", the image as it comes; "-": none.
+    /// The textures that it reads, for the slots BokehColorSamp and BokehColorSampB to F. Each is a target of an
+    /// earlier pass, or "color", the image before the effect. "-" leaves a slot unused.
     pub reads: &'static [&'static str],
-    /// Its targets; "result" is the image as it goes on.
+    /// The targets that it writes; "result" is the image after the effect.
     pub writes: &'static [&'static str],
-    /// Their size is that of the image divided by it, rounded up.
+    /// The targets have the image's size divided by this number, rounded up.
     pub scale: u32,
     sets: &'static [Own],
 }
 
-/// A parameter of one pass alone.
+/// A parameter whose value differs from pass to pass.
 enum Own {
-    /// Degrees, beside the polygon's rotation.
+    /// Degrees, added to the polygon's rotation.
     Angle(f32),
     Axis(f32),
     Layer(f32),
     Sides(f32),
 }
 
-/// Number of sides, passes after the circle of confusion.
+/// For each number of sides, the passes after the pass that computes the circle of confusion.
 type Table = &'static [(u32, &'static [Pass])];
 
 const fn pass(
@@ -251,12 +280,13 @@ const fn pass(
 }
 
 impl Pass {
-    /// Whether its depth is that of BokehLinearDepth_PS; else it is the camera's depth buffer.
+    /// Returns whether the pass reads the depth that BokehLinearDepth_PS wrote. All other passes get the camera's depth
+    /// buffer.
     fn reads_metres(&self) -> bool {
         matches!(self.entry, "BokehCoCMap_PS" | "BokehAdaptive_PS" | "BokehAdaptiveFinal_PS")
     }
 
-    /// Whether its depth is multisampled, where the camera's has so many samples.
+    /// Returns whether the pass gets multisampled depth, if the camera's depth buffer has `samples` samples per pixel.
     fn is_multisampled(&self, samples: u32) -> bool {
         samples > 1 && !self.reads_metres()
     }
@@ -267,7 +297,7 @@ const PAPER_MAP: &[Pass] =
     &[pass("BokehLinearDepth_PS", &[], &["metres"], 1, &[]), pass("BokehCoCMap_PS", &["color"], &["coc"], 1, &[])];
 const DEBUG: Table = &[(6, &[pass("BokehDebug_PS", &["coc"], &["result"], 1, &[])])];
 
-/// Of BokehDepthKind: 1 at the near plane, 0 at infinity.
+/// The value of BokehDepthKind for depth that is 1 at the near plane and 0 at infinity.
 const REVERSED_INFINITE: f32 = 3.0;
 
 fn format(texture: &str) -> TextureFormat {
@@ -275,7 +305,7 @@ fn format(texture: &str) -> TextureFormat {
 }
 
 impl Bokeh {
-    /// What is drawn, in its order.
+    /// Returns the passes that are drawn, in their order.
     pub fn passes(&self) -> impl Iterator<Item = &'static Pass> {
         let (map, table) = match (self.debug, self.method) {
             (Some(_), _) => (SIGNED_MAP, DEBUG),
@@ -328,7 +358,7 @@ impl Bokeh {
     }
 }
 
-/// The struct of the same name in `bokeh.wgsl`; docs/reference/parameters.md has the units.
+/// Mirrors the struct of the same name in `bokeh.wgsl`. docs/reference/parameters.md has the units.
 #[derive(ShaderType, Default)]
 struct BokehParameters {
     // generated by validation/run generate from shaders/parameters.py: begin
@@ -388,11 +418,11 @@ struct BokehShaders([Handle<Shader>; 2]);
 
 #[derive(Resource)]
 struct BokehPipelines {
-    /// Both for depth of one sample, and of several.
+    /// For depth with one sample per pixel, then for multisampled depth. The same goes for `layouts`.
     shaders: [Handle<Shader>; 2],
     layouts: [BindGroupLayoutDescriptor; 2],
     linear: Sampler,
-    /// By entry, preset and whether depth has several samples.
+    /// The pipelines, by entry point, preset, and whether depth is multisampled.
     made: HashMap<(&'static str, BokehPreset, bool), CachedRenderPipelineId>,
 }
 
@@ -400,7 +430,7 @@ struct BokehPipelines {
 #[derive(Resource, Default)]
 struct BokehUniforms(DynamicUniformBuffer<BokehParameters>);
 
-/// A view's passes, each with its pipeline and the place of its parameters in [`BokehUniforms`].
+/// The passes of a view, each with its pipeline and the offset of its parameters in [`BokehUniforms`].
 #[derive(Component)]
 struct BokehPasses {
     drawn: Bokeh,
@@ -426,7 +456,7 @@ fn create_pipelines(mut commands: Commands, shaders: Res<BokehShaders>, device: 
 }
 
 impl BokehPipelines {
-    /// Made when a view first needs it: Bevy compiles it beside the frames.
+    /// Returns the pipeline of a pass. It is queued when a view first needs it, and Bevy compiles it in the background.
     fn get(&mut self, cache: &PipelineCache, pass: &Pass, preset: BokehPreset, msaa: Msaa) -> CachedRenderPipelineId {
         let several = pass.is_multisampled(msaa.samples());
         let (shader, layout) = (self.shaders[several as usize].clone(), &self.layouts[several as usize]);
@@ -447,7 +477,7 @@ impl BokehPipelines {
                     shader,
                     entry_point: Some(pass.entry.into()),
                     constants,
-                    // without a blend state, since alpha is the circle of confusion
+                    // no blend state: alpha is the circle of confusion
                     targets: pass.writes.iter().map(|target| Some(format(target).into())).collect(),
                     ..default()
                 }),
@@ -484,7 +514,7 @@ fn prepare_bokeh(
         };
         let mut drawn = bokeh.clone();
         let mut wanted = made(&drawn);
-        // While another method, shape or preset is being compiled, the one before is drawn
+        // While a new method, shape or preset is being compiled, draw with the previous one
         if let Some(last) = last
             && wanted.iter().any(|(_, pipeline)| cache.get_render_pipeline(*pipeline).is_none())
         {
@@ -492,7 +522,7 @@ fn prepare_bokeh(
             drawn = Bokeh { method, shape, preset, debug, ..drawn };
             wanted = made(&drawn);
         }
-        // Bevy's perspective projection has it there, whatever the camera is made of
+        // In Bevy's matrix of a perspective projection, this element is the distance of the near plane
         let near = view.clip_from_view.w_axis.z;
         let mut written = Vec::new();
         let mut steps = Vec::new();
@@ -535,14 +565,14 @@ fn bokeh(
     if passes.drawn.aperture_diameter <= 0.0 && passes.drawn.debug.is_none() {
         return;
     }
-    // Nothing is drawn before every shader is compiled
+    // Draw nothing until all shaders are compiled
     let ready: Option<Vec<_>> = passes.steps.iter().map(|step| cache.get_render_pipeline(step.1)).collect();
     let depth_buffer = device_depth.attachment.depth_stencil_views().depth_only_view();
     let (Some(ready), Some(parameters), Some(depth_buffer)) = (ready, uniforms.0.binding(), depth_buffer) else {
         return;
     };
     let image = view_target.post_process_write();
-    // A slot that the pass does not read needs a texture all the same: the image
+    // The bind group must also fill the slots that the pass does not read; these get the image
     let view_of = |texture: &str| match textures.0.iter().find(|(name, _)| *name == texture) {
         Some((_, found)) => &found.default_view,
         None if texture == "result" => image.destination,

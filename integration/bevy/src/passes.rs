@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 
-//! The passes after the circle of confusion, for each number of sides.
+//! For each method and number of sides, the passes after the pass that computes the circle of confusion.
 
 use crate::{Own::*, Table, pass};
 

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
 //
-// Polygonal bokeh for ReShade: depth of field with a hexagonal aperture. Copy this folder's files
-// into reshade-shaders/Shaders.
-// Presets: PolygonalBokeh's preprocessor definition POLYGONAL_BOKEH_PRESET is 0 MOBILE, 1 LOW, 2 MEDIUM, 3 HIGH,
-// 4 ULTRA.
+// Depth of field with hexagonal bokeh for ReShade. Copy the files of this folder into reshade-shaders/Shaders.
+//
+// The preprocessor definition POLYGONAL_BOKEH_PRESET selects the preset, which sets the number of samples:
+// 0 MOBILE, 1 LOW, 2 MEDIUM (the default), 3 HIGH, 4 ULTRA.
 
 #include "ReShade.fxh"
 
@@ -22,7 +22,8 @@
 #elif POLYGONAL_BOKEH_PRESET == 4
 #define BOKEH_PRESET_ULTRA 1
 #endif
-// textures as ReShade FX has them; the rest of the library's section [2] is as it is for shader model 3
+// In ReShade FX, the type of a texture is `sampler`. Everything else in section [2] of the library is as in shader
+// model 3.
 #define BOKEH_HLSL_SM 3
 #define sampler2D sampler
 #include "bokeh.hlsl"
@@ -104,7 +105,8 @@ float MetresAt(float2 uv)
     return ReShade::GetLinearizedDepth(uv) * MetresToFarPlane;
 }
 
-// sRGB to linear light, and the curve of the game's tone mapping undone: max(r, g, b) = x becomes x / (1 - Highlights x)
+// Converts a colour of the game's image from sRGB to linear light, and undoes the curve of the game's tone mapping:
+// divides the colour by 1 - Highlights x, where x is max(r, g, b).
 float3 Expanded(float3 color)
 {
     float3 low = color / 12.92;
@@ -113,7 +115,7 @@ float3 Expanded(float3 color)
     return light / (1.0 - Highlights * min(BokehBrightest(light), 1.0));
 }
 
-// The other way round
+// Undoes Expanded()
 float3 Compressed(float3 light)
 {
     light = light / (1.0 + Highlights * BokehBrightest(light));
@@ -132,7 +134,7 @@ BokehLayerContext Layers(float2 uv)
     return BokehMakeLayerContext(uv, float2(BUFFER_WIDTH, BUFFER_HEIGHT), max(LargestBlurNear, LargestBlurFar) / 100.0);
 }
 
-// The pixel that automatic focus reads
+// Returns the texture coordinates of the pixel that automatic focus reads
 float2 FocusUV()
 {
     float2 at = float2(0.5, 0.5);
@@ -147,13 +149,15 @@ float2 FocusUV()
     return saturate(at);
 }
 
-// Focus distances are averaged as 1 / metres: the same blur from frame to frame, near and far
+// Writes the focus distance of this frame in metres. Automatic focus interpolates 1 / distance instead of the distance,
+// so that the blur changes evenly.
 float4 FocusPS(float4 position : SV_Position, float2 uv : TEXCOORD) : SV_Target
 {
     float before = tex2Dlod(FocusBefore, float4(0.5, 0.5, 0.0, 0.0)).r;
     float metres = FocusMode == 0 ? FocusDistance : MetresAt(FocusUV());
     float inverse = 1.0 / clamp(metres, 0.2, 10000.0);
-    // in the first frame the texture holds 0, or anything: what this pass never writes is not pulled from
+    // In the first frame, the texture contains 0 or any other value. This pass never writes less than 0.2, so it
+    // ignores smaller values.
     if (FocusMode > 0 && PullTime > 0.0 && before > 0.19)
     {
         inverse = lerp(inverse, 1.0 / before, exp(-0.001 * FrameTime / PullTime));
@@ -171,7 +175,7 @@ float4 ColorAt(float2 uv)
     return float4(Expanded(tex2Dlod(ReShade::BackBuffer, float4(uv, 0.0, 0.0)).rgb), 1.0);
 }
 
-// Signed CoC, with the limits of both sides
+// Returns the signed CoC, limited in front of the focus and behind it
 float CoCAt(float2 uv)
 {
     BokehLens lens = BokehMakeLens(0.001 * FocalLength / FStop * BokehScale, 0.001 * FocalLength,
@@ -191,7 +195,8 @@ float4 MapPS(float4 position : SV_Position, float2 uv : TEXCOORD) : SV_Target
     return float4(color.rgb, BokehLightCoC(CoCAt(uv), CoCAt(lightUV), light.zw, BUFFER_HEIGHT));
 }
 
-// What the screen shows: the blurred picture, or with ShowFocus the sharp one in the colours of its focus
+// Returns the colour for the screen. This is the blurred image or, with ShowFocus, the sharp image in colours that show
+// what is in focus.
 float4 Shown(float3 light, float2 uv)
 {
     float3 color = Compressed(light);

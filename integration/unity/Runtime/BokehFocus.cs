@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// On a camera: the focus distance of BokehRendererFeature, from an object or from a picked pixel.
+// Sets the focus distance of BokehRendererFeature. Add this component to the camera. The distance comes from `target`
+// if it is set, else from the autofocus on `points` if there are any, else it is `distance`.
 
 using UnityEngine;
 
@@ -20,13 +21,15 @@ namespace PolygonalBokeh
         [Tooltip("Time constant of the autofocus, seconds")]
         public float pullTime = 0.2f;
 
-        // Depth along the view axis, not the length of the ray
+        // Returns the depth of a point of the world along the view axis, metres. This is not the length of the ray.
         public static float PlanarDepth(Camera camera, Vector3 position)
         {
             return Vector3.Dot(position - camera.transform.position, camera.transform.forward);
         }
 
-        // pixel: as Input.mousePosition gives it. False where nothing with a collider is there.
+        // Focuses on the object at a pixel, and clears `target`. Returns false if no object with a collider is there.
+        //
+        // pixel  in the same coordinates as Input.mousePosition; (0, 0) is the lower left
         public bool FocusOnPixel(Vector2 pixel)
         {
             Camera camera = GetComponent<Camera>();
@@ -39,7 +42,7 @@ namespace PolygonalBokeh
             return true;
         }
 
-        // Under points of the view; infinite where nothing with a collider is
+        // Returns the depth of the nearest collider under `points`, metres, or infinity if there is none.
         public float NearestDepth(Camera camera)
         {
             float nearest = float.PositiveInfinity;
@@ -53,7 +56,10 @@ namespace PolygonalBokeh
             return nearest;
         }
 
-        // 1 / distance changes evenly, not the distance: docs/lens.md
+        // Moves the focus smoothly towards a depth. Interpolates 1 / distance instead of the distance (docs/lens.md).
+        //
+        // nearest  depth along the view axis, metres
+        // seconds  time since the last call
         public void Pull(float nearest, float seconds)
         {
             float k = 1.0f - Mathf.Exp(-seconds / pullTime);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Polygonal bokeh in the Universal Render Pipeline: Unity 6 (6000.0), URP 17, render graph.
-// Add it to the renderer asset (Add Renderer Feature, Bokeh Renderer Feature); its settings are those of BokehVolume. It
-// draws nothing until a volume overrides Strength.
+// Draws depth of field with polygonal bokeh in the Universal Render Pipeline: Unity 6 (6000.0), URP 17, render graph.
+// Add this feature to the renderer asset (Add Renderer Feature, Bokeh Renderer Feature). Most settings are in
+// BokehVolume. The feature draws nothing until a volume overrides Strength.
 
 using System.Collections.Generic;
 using UnityEngine;
@@ -12,7 +12,11 @@ using UnityEngine.Rendering.Universal;
 
 namespace PolygonalBokeh
 {
-    // A row of BokehFrames: textures that a pass reads ("-": leaves the slot out) and writes, and 1 / their size
+    // Describes a pass: a row of BokehFrames.
+    //
+    // reads   names of the textures that it reads, separated by spaces; "-" leaves a slot unused
+    // writes  names of its targets, separated by spaces
+    // scale   divides the size of the image to get the size of the targets, rounded up
     sealed class BokehStep
     {
         public readonly BokehShaderPass pass;
@@ -20,7 +24,7 @@ namespace PolygonalBokeh
         public readonly string[] reads;
         public readonly string[] writes;
         public readonly int scale;
-        // parameters of its own; Angle in degrees, before the rotation
+        // parameters whose values differ from pass to pass; Angle is in degrees, without the volume's rotation
         public float Axis, Layer, Sides, Angle;
 
         public BokehStep(BokehShaderPass pass, string reads, string writes, int scale)
@@ -37,7 +41,7 @@ namespace PolygonalBokeh
     {
         public enum View { Result, Colour, Depth, CircleOfConfusion, NearAndFar }
 
-        // A build has the shader's variants of the materials that its renderers name, and no others
+        // A build contains only the shader variants of the materials that its renderers use
         [Tooltip("The preset: one of the package's materials, from Bokeh Mobile to Bokeh Ultra")]
         public Material material;
 
@@ -66,7 +70,7 @@ namespace PolygonalBokeh
             {
                 return;
             }
-            // URP has blended the volumes for this camera before it asks for passes
+            // URP blends the volumes for this camera before it calls this method
             BokehVolume volume = VolumeManager.instance.stack?.GetComponent<BokehVolume>();
             if (volume == null || !volume.IsActive() || type == CameraType.Preview || type == CameraType.Reflection)
             {
@@ -76,7 +80,7 @@ namespace PolygonalBokeh
             renderer.EnqueuePass(pass);
         }
 
-        // What all passes of a camera are drawn with; metres
+        // The values that all passes of a camera share. Lengths are in metres, and the rotation is in degrees.
         struct Values
         {
             public Material material;
@@ -88,7 +92,7 @@ namespace PolygonalBokeh
             public int sides;
         }
 
-        // What the render function of a pass is given
+        // The data that the render function of a pass gets
         sealed class PassData
         {
             public BokehStep step;
@@ -116,7 +120,7 @@ namespace PolygonalBokeh
                 values.material = material;
                 volume = newVolume;
                 view = newView;
-                // the depth texture, and a colour target that a shader can read
+                // request a depth texture, and a colour target that shaders can read
                 ConfigureInput(ScriptableRenderPassInput.Depth);
                 requiresIntermediateTexture = true;
             }
@@ -135,7 +139,7 @@ namespace PolygonalBokeh
                 textures.Clear();
                 textures["color"] = color;
                 textures["depth"] = resources.cameraDepthTexture;
-                // the last pass writes into the camera's own texture, which only the first pass has read
+                // the last pass writes into the camera's own texture, which only the pass of the CoC map reads
                 textures["result"] = color;
                 BokehMethod method = volume.method.value;
                 if (view != View.Result)
@@ -160,7 +164,7 @@ namespace PolygonalBokeh
 
             void SetValues(Camera camera)
             {
-                // the field of view is the vertical one: docs/lens.md
+                // fieldOfView is vertical, as docs/lens.md needs it
                 float fovy = Mathf.Deg2Rad * camera.fieldOfView;
                 values.sensorHeight = 0.001f * volume.sensorHeight.value;
                 values.focalLength = values.sensorHeight / (2.0f * Mathf.Tan(0.5f * fovy));
@@ -170,13 +174,14 @@ namespace PolygonalBokeh
                 float fStop = volume.fStop.value;
                 if (volume.physicalCamera.value && camera.usePhysicalProperties)
                 {
-                    // the same field of view, whatever the gate fit, with the camera's own focal length
+                    // use the camera's own focal length, and scale the sensor with it: this keeps the field of view,
+                    // whatever the gate fit is
                     float size = 0.001f * camera.focalLength / values.focalLength;
                     values.sensorHeight *= size;
                     values.focalLength *= size;
                     fStop = camera.aperture;
                     values.focusDistance = camera.focusDistance;
-                    // blades 3 to 11, of which an even number is drawn, 4 to 10
+                    // the camera has 3 to 11 blades; the polygon has an even number of sides, 4 to 10
                     values.sides = Mathf.Clamp((camera.bladeCount + 1) / 2 * 2, 4, 10);
                     values.squeeze *= (4.0f - camera.anamorphism) / (4.0f + camera.anamorphism);
                 }
@@ -194,7 +199,8 @@ namespace PolygonalBokeh
                 values.debugMode = (int)view - (int)View.Colour;
                 values.width = description.width;
                 values.height = description.height;
-                // what the depth texture holds, as BokehLinearDepth counts: 0 near .. 1 far or reversed, or orthographic
+                // BokehDepthKind: 1 is perspective depth, 0 at the near plane and 1 at the far plane; 2 is the same
+                // reversed; 5 and 6 are orthographic depth, normal and reversed
                 values.depthKind = (camera.orthographic ? 5.0f : 1.0f) + (SystemInfo.usesReversedZBuffer ? 1.0f : 0.0f);
                 values.near = camera.nearClipPlane;
                 values.far = camera.farClipPlane;
@@ -230,7 +236,8 @@ namespace PolygonalBokeh
                     }
                     for (int index = 0; index < step.writes.Length; index++)
                     {
-                        // the table has layers of half size, and those of the preset MOBILE have a quarter
+                        // in the tables, the layers have half the image's size; with the preset MOBILE, they have a
+                        // quarter
                         int scale = step.scale == 2 && values.material.IsKeywordEnabled("BOKEH_PRESET_MOBILE") ? 4 : step.scale;
                         builder.SetRenderAttachment(Target(graph, step.writes[index], scale), index);
                     }
@@ -285,7 +292,7 @@ namespace PolygonalBokeh
                 Properties.SetFloat(BokehFrames.Axis, step.Axis);
                 Properties.SetFloat(BokehFrames.Layer, step.Layer);
                 Properties.SetFloat(BokehFrames.Sides, step.Sides);
-                // v grows upwards, where the shaders' angle is counter-clockwise
+                // v grows upwards in Unity, so the shaders' angle is counter-clockwise, and the rotation is subtracted
                 Properties.SetFloat(BokehFrames.Angle, Mathf.Deg2Rad * (step.Angle - values.rotation));
                 context.cmd.DrawProcedural(Matrix4x4.identity, values.material, (int)step.pass, MeshTopology.Triangles, 3, 1,
                     Properties);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-// All settings of BokehRendererFeature but its preset, as a Volume override (Add Override, Post-processing, Polygonal
-// Bokeh). Nothing is drawn until a volume overrides Strength.
+// The Volume override with the settings of BokehRendererFeature (Add Override, Post-processing, Polygonal Bokeh). Only
+// the preset and the debug view are settings of the feature itself. The feature draws nothing until a volume overrides
+// Strength.
 
 using System;
 using UnityEngine;

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: MIT
 
-//! Draws the scene in a folder by each method and leaves the results, and what each pass wrote, in the folder. For
-//! `validation/run engines wgpu`; a program of yours needs nothing of this.
+//! Draws the scene in a folder with each method. Writes the results and, for layered, everything that the passes wrote
+//! into the same folder. This is for `validation/run engines wgpu`; your program does not need it.
 
 use polygonal_bokeh::{Bokeh, Depth, Lens, Method, Polygon, Preset, images};
 use std::{env, error::Error, fs, path::Path};
 use wgpu::*;
 
-/// Name, method, polygon, preset and rotation, degrees clockwise.
+/// The shots: name, method, polygon, preset, and rotation in degrees clockwise.
 const SHOTS: [(&str, Method, Polygon, Preset, f32); 7] = [
     ("layered-hexagon", Method::Layered, Polygon::Hexagon, Preset::Medium, 0.0),
     ("layered-square", Method::Layered, Polygon::Square, Preset::Low, 0.0),
@@ -121,7 +121,7 @@ fn uploaded(
     Ok(texture)
 }
 
-/// A texture with what is in another when the encoder comes here.
+/// Records a copy of a texture, and returns the texture that will hold the copy.
 fn copied(device: &Device, encoder: &mut CommandEncoder, texture: &Texture) -> Texture {
     let copy = device.create_texture(&TextureDescriptor {
         label: None,

@@ -1,48 +1,50 @@
 // SPDX-License-Identifier: MIT
 
-//! Pixels to textures and back, for programs without a window and for tests. Rows begin with the image's first, at the
-//! top.
+//! Functions that convert pixels to textures and back, for programs without a window and for tests. The first row of
+//! pixels is the top of the image.
 
 use crate::Output;
 use wgpu::*;
 
-/// Linear colour in a texture that [`Bokeh::targets`](crate::Bokeh::targets) takes; Rgba16Float.
+/// Creates an Rgba16Float texture for [`Bokeh::targets`](crate::Bokeh::targets). `pixels` are linear red, green, blue
+/// and alpha, row by row.
 ///
 /// # Panics
 ///
-/// If `pixels` are not `width * height`.
+/// Panics if the number of `pixels` is not `width * height`.
 pub fn color(device: &Device, queue: &Queue, width: u32, height: u32, pixels: &[[f32; 4]]) -> Texture {
     let bytes: Vec<u8> = pixels.iter().flatten().flat_map(|value| half(*value).to_le_bytes()).collect();
     uploaded(device, queue, width, height, TextureFormat::Rgba16Float, &bytes)
 }
 
-/// Depth as numbers in a texture that [`Bokeh::targets`](crate::Bokeh::targets) takes; R32Float.
+/// Creates an R32Float texture with depth for [`Bokeh::targets`](crate::Bokeh::targets). `values` are metres, or any
+/// other kind of [`Depth`](crate::Depth) that has one channel, row by row.
 ///
 /// # Panics
 ///
-/// If `values` are not `width * height`.
+/// Panics if the number of `values` is not `width * height`.
 pub fn depth(device: &Device, queue: &Queue, width: u32, height: u32, values: &[f32]) -> Texture {
     let bytes: Vec<u8> = values.iter().flat_map(|value| value.to_le_bytes()).collect();
     uploaded(device, queue, width, height, TextureFormat::R32Float, &bytes)
 }
 
-/// Depth for [`Depth::WeightedByOpacity`](crate::Depth::WeightedByOpacity): metres times opacity, and opacity;
-/// Rg16Float.
+/// Creates an Rg16Float texture for [`Depth::WeightedByOpacity`](crate::Depth::WeightedByOpacity). Each texel is metres
+/// times opacity, then opacity.
 ///
 /// # Panics
 ///
-/// If `texels` are not `width * height`.
+/// Panics if the number of `texels` is not `width * height`.
 pub fn weighted_depth(device: &Device, queue: &Queue, width: u32, height: u32, texels: &[[f32; 2]]) -> Texture {
     let bytes: Vec<u8> = texels.iter().flatten().flat_map(|value| half(*value).to_le_bytes()).collect();
     uploaded(device, queue, width, height, TextureFormat::Rg16Float, &bytes)
 }
 
-/// The result as a picture: four bytes a pixel, sRGB-encoded, alpha 255. What is brighter than 1 is cut off. It waits
-/// for the GPU.
+/// Returns the result as an image with four bytes per pixel, sRGB-encoded, with an alpha of 255. Values above 1 are
+/// clamped. The function waits for the GPU.
 ///
 /// # Panics
 ///
-/// If the device is lost.
+/// Panics if the device is lost.
 pub fn srgb(device: &Device, queue: &Queue, result: &Texture) -> Vec<u8> {
     let format = TextureFormat::Rgba8UnormSrgb;
     let picture = texture(device, result.width(), result.height(), format, TextureUsages::RENDER_ATTACHMENT);
@@ -54,11 +56,11 @@ pub fn srgb(device: &Device, queue: &Queue, result: &Texture) -> Vec<u8> {
     bytes(device, queue, &picture)
 }
 
-/// The bytes of a texture as it is, without a gap between rows. It waits for the GPU.
+/// Returns the bytes of a texture in its own format, without gaps between rows. The function waits for the GPU.
 ///
 /// # Panics
 ///
-/// If the texture was made without [`TextureUsages::COPY_SRC`], or the device is lost.
+/// Panics if the texture was made without [`TextureUsages::COPY_SRC`], or if the device is lost.
 pub fn bytes(device: &Device, queue: &Queue, texture: &Texture) -> Vec<u8> {
     let texel = texture.format().block_copy_size(None).expect("a format with one aspect");
     let row = texture.width() * texel;
@@ -103,7 +105,7 @@ fn uploaded(device: &Device, queue: &Queue, width: u32, height: u32, format: Tex
     made
 }
 
-/// The nearest half float, ties to even; what is too large becomes infinite.
+/// Returns the bits of the nearest half float. Ties round to even, and values that are too large become infinite.
 fn half(value: f32) -> u16 {
     let bits = value.to_bits();
     let sign = (bits >> 16) as u16 & 0x8000;
@@ -113,10 +115,10 @@ fn half(value: f32) -> u16 {
     } else if size >= 65520.0 {
         0x7c00
     } else if size < 6.103_515_6e-5 {
-        // subnormal: adding 0.5 lets the addition round to multiples of 2^-24
+        // the half float is subnormal: adding 0.5 rounds to a multiple of 2^-24
         ((size + 0.5).to_bits() - 0.5_f32.to_bits()) as u16
     } else {
-        // 2^112 lies between the two exponents' biases
+        // the bias of the exponent is 127 in a float and 15 in a half float: the difference is 112
         let shifted = (bits & 0x7fff_ffff) - (112 << 23);
         ((shifted + 0xfff + (shifted >> 13 & 1)) >> 13) as u16
     };

@@ -1,56 +1,61 @@
 // SPDX-License-Identifier: MIT
 
-//! What the camera is like.
+//! The camera's lens, and the kind of its depth.
 
 use crate::parameters::BokehParameters;
 
-/// The lens of a camera. All of it may change in any frame. Lengths are in metres, or in the unit of your depth.
+/// The lens of a camera. Every field may change in any frame. Lengths are in metres, or in the unit of your depth.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Lens {
     /// Vertical field of view, radians.
     pub fov_y: f32,
-    /// As on a camera: half of it is twice the blur.
+    /// The f-stop of the lens. If you halve it, the blur becomes twice as wide.
     pub f_stop: f32,
-    /// How many times wider the blur is than that lens's. 1 is the real lens, which hardly blurs at a game's field of
-    /// view; 0 turns the effect off.
+    /// Multiplies the width of the blur. 1 is the blur of a real lens, which hardly blurs at a game's field of view. 0
+    /// turns the effect off.
     pub bokeh_scale: f32,
-    /// Along the view axis, from the camera to what is sharp.
+    /// Distance along the view axis at which objects are sharp.
     pub focus_distance: f32,
-    /// 0.024 m is 35 mm film.
+    /// Height of the sensor. 0.024 m is the height of a frame of 35 mm film.
     pub sensor_height: f32,
-    /// Largest circle of confusion, as a fraction of the image height.
+    /// Largest circle of confusion (the diameter of the blur), as a fraction of the image height.
     pub max_coc: f32,
-    /// Factor of the circle of confusion in front of the focus distance.
+    /// Multiplies the circle of confusion in front of the focus distance.
     pub near_scale: f32,
-    /// Factor of the circle of confusion behind the focus distance.
+    /// Multiplies the circle of confusion behind the focus distance.
     pub far_scale: f32,
-    /// Limit in front of the focus distance, as [`Lens::max_coc`], which limits both sides.
+    /// Largest circle of confusion in front of the focus distance, as a fraction of the image height. [`Lens::max_coc`]
+    /// applies too.
     pub near_max_coc: f32,
-    /// Limit behind the focus distance.
+    /// Largest circle of confusion behind the focus distance, as a fraction of the image height. [`Lens::max_coc`]
+    /// applies too.
     pub far_max_coc: f32,
-    /// Of the polygon, radians from +x to +y of the image (clockwise on the screen).
+    /// Rotation of the polygon, radians, from +x to +y of the image (clockwise on the screen).
     pub rotation: f32,
-    /// Width of the polygon over its height: 0.5 is an anamorphic lens of squeeze 2.
+    /// Width of the polygon divided by its height. A 2x anamorphic lens has 0.5.
     pub squeeze: f32,
-    /// Shows something else in place of the result.
+    /// Selects a view that is shown instead of the result.
     pub debug: Option<Debug>,
 }
 
-/// What is shown in place of the result; the values are those of `BokehDebugMode`.
+/// A view that is shown instead of the result. The values are those of the shader parameter `BokehDebugMode`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Debug {
-    /// The colour that goes in.
+    /// The colour that the effect reads.
     Color = 0,
-    /// Black at the camera, grey at the focus distance, white far away.
+    /// Depth: black at the camera, grey at the focus distance, white far away.
     Depth = 1,
-    /// Black in focus, white at [`Lens::max_coc`].
+    /// The circle of confusion: black in focus, white at [`Lens::max_coc`].
     CircleOfConfusion = 2,
-    /// Orange before the focus, blue behind it.
+    /// Orange in front of the focus distance, blue behind it, and black where the image is sharp.
     Focus = 3,
 }
 
 impl Lens {
-    /// An f-stop of 2.8 and a bokeh scale of 10.
+    /// Returns a lens with an f-stop of 2.8 and a bokeh scale of 10, on a sensor 0.024 m high.
+    ///
+    /// * `fov_y`: vertical field of view, radians
+    /// * `focus_distance`: distance along the view axis at which objects are sharp
     pub fn new(fov_y: f32, focus_distance: f32) -> Self {
         Self {
             fov_y,
@@ -69,22 +74,28 @@ impl Lens {
         }
     }
 
-    /// Of the field of view and the sensor.
+    /// Returns the focal length, which follows from the field of view and the sensor height.
     pub fn focal_length(&self) -> f32 {
         self.sensor_height / (2.0 * (0.5 * self.fov_y).tan())
     }
 
-    /// With the bokeh scale in it.
+    /// Returns the diameter of the aperture, multiplied by the bokeh scale.
     pub fn aperture_diameter(&self) -> f32 {
         self.focal_length() / self.f_stop * self.bokeh_scale
     }
 
-    /// Autofocus, once a frame of `dt` seconds: towards the nearest of these depths. 1 / distance moves, with the time
-    /// constant `tau`; an infinite `dt` is there at once.
+    /// Moves the focus smoothly towards the nearest of several depths. Call this once per frame.
+    ///
+    /// * `dt`: time since the last frame, seconds; if it is infinite, the focus arrives at once
+    /// * `depths`: depths along the view axis
+    /// * `tau`: time constant of the movement, seconds
+    ///
+    /// The function interpolates 1 / distance instead of the distance, because the width of the blur depends on
+    /// 1 / distance (docs/lens.md).
     pub fn pull_focus(&mut self, dt: f32, depths: impl IntoIterator<Item = f32>, tau: f32) {
         let nearest = depths.into_iter().fold(f32::INFINITY, f32::min);
         let k = 1.0 - (-dt / tau).exp();
-        // recovers from 0 and NaN
+        // if the distance is NaN or not positive, begin at the nearest depth
         let from = if self.focus_distance > 0.0 { self.focus_distance } else { nearest };
         self.focus_distance = 1.0 / ((1.0 - k) / from + k / nearest);
     }
@@ -105,12 +116,12 @@ impl Lens {
     }
 }
 
-/// What the depth texture holds; `near` and `far` are the camera's planes.
+/// The kind of depth in the depth texture. `near` and `far` are the distances of the camera's planes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Depth {
-    /// Along the view axis, not along the ray.
+    /// Metres along the view axis, not along the ray.
     Metres,
-    /// 0 at the near plane, 1 at the far plane: wgpu's depth buffers.
+    /// 0 at the near plane, 1 at the far plane: the usual depth buffer of wgpu.
     Standard { near: f32, far: f32 },
     /// 1 at the near plane, 0 at the far plane.
     Reversed { near: f32, far: f32 },
@@ -118,15 +129,16 @@ pub enum Depth {
     ReversedInfinite { near: f32 },
     /// z / w of OpenGL's clip space: -1 at the near plane, 1 at the far plane.
     OpenGL { near: f32, far: f32 },
-    /// Of an orthographic camera: 0 at the near plane, 1 at the far plane.
+    /// Depth of an orthographic camera: 0 at the near plane, 1 at the far plane.
     Orthographic { near: f32, far: f32 },
-    /// Of an orthographic camera: 1 at the near plane, 0 at the far plane.
+    /// Depth of an orthographic camera: 1 at the near plane, 0 at the far plane.
     OrthographicReversed { near: f32, far: f32 },
-    /// A fraction of the far plane's distance.
+    /// Metres / far: 0 at the camera, 1 at the far plane.
     FractionOfFar { far: f32 },
     /// log(1 + metres) / log(1 + far).
     Logarithmic { far: f32 },
-    /// Metres times opacity in red, and opacity in green, such as `Rg16Float`: each surface blended over those behind it.
+    /// Metres times opacity in red and opacity in green, for example in an `Rg16Float` texture. Each surface is blended
+    /// over the surfaces behind it (docs/inputs.md).
     WeightedByOpacity,
 }
 

@@ -2,7 +2,8 @@
 
 //! Depth of field with polygonal bokeh for wgpu.
 //!
-//! Make a [`Bokeh`] once, [`Bokeh::targets`] when the image gets another size, and call [`Bokeh::render`] in each frame:
+//! Create a [`Bokeh`] once. Call [`Bokeh::targets`] at the start, and again when the image gets another size. Call
+//! [`Bokeh::render`] in each frame:
 //!
 //! ```no_run
 //! use polygonal_bokeh::{Bokeh, Depth, Lens, Method, Polygon, Preset};
@@ -33,17 +34,18 @@ use parameters::BokehParameters;
 use std::{borrow::Cow, collections::HashMap, fmt, sync::OnceLock};
 use wgpu::*;
 
-/// How the polygon is made.
+/// The way in which the blur is computed. docs/start.md in the repository compares the methods.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Method {
-    /// Near objects spread over what is behind them, and what they hide is filled.
+    /// Blurred near objects spread over the sharp background, and the background that they hide is filled from its
+    /// surroundings.
     #[default]
     Layered,
-    /// Each pixel by its own circle of confusion, in three passes: near objects keep a hard outline.
+    /// Blurs each pixel by its own circle of confusion, in three passes. Blurred near objects keep a hard outline.
     Exact,
 }
 
-/// The aperture, by its number of blades.
+/// The shape of the bokeh. The values are the numbers of sides.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Polygon {
     Square = 4,
@@ -53,7 +55,9 @@ pub enum Polygon {
     Decagon = 10,
 }
 
-/// How finely is sampled.
+/// The number of samples that the blur takes, and the distance between them. More samples look smoother and cost more.
+///
+/// With `Mobile`, [`Method::Layered`] also blurs its layers at a quarter of the image's size instead of half.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Preset {
     Mobile,
@@ -64,8 +68,8 @@ pub enum Preset {
     Ultra,
 }
 
-/// Where the image lies in its textures, in pixels from the first in memory. For [`Method::Layered`] it begins at
-/// multiples of 8.
+/// The rectangle of the textures that the image fills, in pixels, counted from the first texel in memory. With
+/// [`Method::Layered`], `x` and `y` must be multiples of 8.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Viewport {
     pub x: u32,
@@ -74,22 +78,22 @@ pub struct Viewport {
     pub height: u32,
 }
 
-/// Why [`Bokeh::targets`] cannot work with a texture, or [`Bokeh::render_part`] with a viewport.
+/// The reason why [`Bokeh::targets`] refuses a texture, or [`Bokeh::render_part`] a viewport.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Error {
-    /// Colour and depth, in pixels.
+    /// Colour and depth have different sizes. The pairs are width and height in pixels.
     SizesDiffer { color: (u32, u32), depth: (u32, u32) },
-    /// Colour is multisampled: resolve it first.
+    /// Colour is multisampled, with this number of samples per pixel: resolve it first.
     ColorIsMultisampled(u32),
     /// The texture, "colour" or "depth", was made without [`TextureUsages::TEXTURE_BINDING`].
     CannotBeRead(&'static str),
     /// The texture, "colour" or "depth", has a format that the effect does not read.
     Format(&'static str, TextureFormat),
-    /// The effect was made by [`Bokeh::new`], whose image fills its textures.
+    /// The effect was made by [`Bokeh::new`], so it has no viewports. Make it with [`Bokeh::with_viewport`].
     NoViewports,
-    /// The viewport is empty, or not within the image, whose width and height come last.
+    /// The viewport is empty, or not within the textures. The pair is the width and height of the textures in pixels.
     Outside(Viewport, (u32, u32)),
-    /// The viewport of [`Method::Layered`] does not begin at multiples of 8.
+    /// The viewport does not begin at multiples of 8, which [`Method::Layered`] needs.
     Misaligned(Viewport),
 }
 
@@ -123,35 +127,39 @@ impl fmt::Display for Error {
 impl std::error::Error for Error {}
 
 impl Preset {
-    /// The scale of a pass with this preset: the table has layers of half size, and those of `Mobile` have a quarter.
+    /// Returns the scale of a pass for this preset. In the tables, the layers have half the image's size; with
+    /// `Mobile`, they have a quarter.
     fn scale(self, scale: u32) -> u32 {
         if self == Self::Mobile && scale == 2 { 4 } else { scale }
     }
 }
 
-/// The pipelines of one method, polygon and preset.
+/// The effect for one method, polygon and preset. It holds the pipelines.
 pub struct Bokeh {
     polygon: Polygon,
     frame: &'static Frame,
     preset: Preset,
-    // all passes but the first, which reads depth
+    // of all passes except the first one, which reads depth
     pipelines: Vec<RenderPipeline>,
     single_sampled: ReadsDepth,
-    // made when a depth texture asks for them
+    // created when targets() gets a multisampled depth texture for the first time
     multisampled: OnceLock<ReadsDepth>,
     constants: Vec<(&'static str, f64)>,
     sampler: Sampler,
     has_viewport: bool,
 }
 
-/// The pipelines that read depth: the first pass, and what shows [`Debug`] views.
+/// The two pipelines that read depth: the first pass, and the pass that draws [`Debug`] views.
 struct ReadsDepth {
     map: RenderPipeline,
     debug: RenderPipeline,
 }
 
-/// What [`Bokeh::render`] draws to, for one image. It belongs to the colour and depth textures that it was made with:
-/// make another when they change. Render each once a submission, since it holds one set of parameters.
+/// The textures that [`Bokeh::render`] draws to, for one image. [`Bokeh::targets`] creates them for one colour and one
+/// depth texture; call it again when you use other textures.
+///
+/// A `Targets` holds one set of parameters. You can therefore render it only once between two calls of
+/// [`Queue::submit`]. For a second camera, create a second one.
 pub struct Targets {
     color: Texture,
     steps: Vec<Step>,
@@ -161,7 +169,7 @@ pub struct Targets {
     result: Texture,
 }
 
-/// A pass with what it reads and writes.
+/// A pass, with the resources that it reads and its targets.
 struct Step {
     entry: &'static str,
     pipeline: RenderPipeline,
@@ -170,18 +178,18 @@ struct Step {
     scale: u32,
 }
 
-/// Gets the encoder and the targets of a pass.
+/// A function that is called after each pass, with the encoder and the targets of the pass.
 type Observer<'a> = &'a mut dyn FnMut(&mut CommandEncoder, &[TextureView]);
 
-/// Of the passes and of the result, which has the signed circle of confusion in alpha.
+/// The format of all targets and of the result. The alpha of the result is the signed circle of confusion.
 pub const FORMAT: TextureFormat = TextureFormat::Rgba16Float;
 const SHADERS: &str = include_str!("bokeh.wgsl");
-/// Of the block of parameters, of the linear sampler, of depth, and of the colours that a pass reads.
+/// The bindings in `bokeh.wgsl`: the block of parameters, the linear sampler, depth, and the colours that a pass reads.
 const PARAMETERS: u32 = 0;
 const SAMPLER: u32 = 7;
 const DEPTH: u32 = 2;
 const COLORS: [u32; 6] = [1, 3, 4, 5, 8, 9];
-/// Bytes between the two blocks of parameters: the largest offset alignment that a device may ask for.
+/// The distance between the two blocks of parameters in bytes. No device may require a larger alignment of offsets.
 const BLOCK: u64 = 256;
 const DEBUG_PASS: Pass = Pass {
     entry: "BokehDebug_PS",
@@ -194,13 +202,13 @@ const DEBUG_PASS: Pass = Pass {
 };
 
 impl Bokeh {
-    /// Compiles the shaders, for images that fill their textures.
+    /// Creates the effect for images that fill their textures. This compiles the shaders.
     pub fn new(device: &Device, method: Method, polygon: Polygon, preset: Preset) -> Self {
         Self::made(device, method, polygon, preset, false)
     }
 
-    /// Compiles the shaders for images that may fill a part of their textures: dynamic resolution, split screen. See
-    /// [`Bokeh::render_part`].
+    /// Creates the effect for images that may fill only a part of their textures, for example with dynamic resolution
+    /// or a split screen. This compiles the shaders. Draw with [`Bokeh::render_part`].
     pub fn with_viewport(device: &Device, method: Method, polygon: Polygon, preset: Preset) -> Self {
         Self::made(device, method, polygon, preset, true)
     }
@@ -227,9 +235,16 @@ impl Bokeh {
         Self { polygon, frame, preset, pipelines, single_sampled, multisampled, constants, sampler, has_viewport }
     }
 
-    /// Textures for all passes, 31.6 bytes a pixel of the image for [`Method::Layered`], hexagon.
+    /// Creates the textures of all passes for one image. With [`Method::Layered`], [`Polygon::Hexagon`] and
+    /// [`Preset::Medium`], they take 31.6 bytes per pixel of the image.
     ///
-    /// `color` is linear and not premultiplied; `depth` may be multisampled, of which the first sample counts.
+    /// * `color`: linear colour, not premultiplied
+    /// * `depth`: depth of the same size. It may be multisampled; the effect then reads the first sample of each pixel.
+    ///
+    /// # Errors
+    ///
+    /// Returns an error if a texture cannot be read or has the wrong format, if `color` is multisampled, or if the
+    /// sizes differ.
     pub fn targets(&self, device: &Device, color: &Texture, depth: &Texture) -> Result<Targets, Error> {
         checked(color, depth)?;
         let (width, height) = (color.width(), color.height());
@@ -239,7 +254,7 @@ impl Bokeh {
             usage: BufferUsages::UNIFORM | BufferUsages::COPY_DST,
             mapped_at_creation: false,
         });
-        // targets of one memory are one texture
+        // targets with the same memory number share a texture
         let mut memory: HashMap<usize, Texture> = HashMap::new();
         let mut views: HashMap<&str, TextureView> = HashMap::new();
         views.insert("color", color.create_view(&Default::default()));
@@ -306,9 +321,14 @@ impl Bokeh {
         Ok(Targets { color: color.clone(), steps, debug, parameters, full, result })
     }
 
-    /// Records all passes. The texture that comes back has linear colour, and the signed circle of confusion in alpha:
-    /// [`Output`] copies it to a target of yours. With a [`Lens::bokeh_scale`] of 0 it is the colour that went in, and
-    /// nothing is recorded.
+    /// Records all passes, and returns the texture with the result. Its rgb is linear colour, and its alpha is the
+    /// signed circle of confusion. [`Output`] copies it to a target of your own.
+    ///
+    /// If [`Lens::bokeh_scale`] is 0 and [`Lens::debug`] is `None`, the function records nothing, and returns the
+    /// colour texture that was passed to [`Bokeh::targets`].
+    ///
+    /// * `targets`: from [`Bokeh::targets`] of the same `Bokeh`
+    /// * `depth`: what the depth texture contains
     pub fn render<'a>(
         &self,
         queue: &Queue,
@@ -320,7 +340,8 @@ impl Bokeh {
         self.recorded(queue, encoder, targets, lens, depth, targets.full, &mut |_, _| ())
     }
 
-    /// The same, with a look at the targets of each pass before another takes their memory. For tests.
+    /// Does the same as [`Bokeh::render`], and calls `after_pass` after each pass, before another pass writes to the
+    /// same memory. For tests.
     #[doc(hidden)]
     pub fn render_observed<'a>(
         &self,
@@ -334,12 +355,13 @@ impl Bokeh {
         self.recorded(queue, encoder, targets, lens, depth, targets.full, after_pass)
     }
 
-    /// The same for an image that fills a part of its textures. What is around it in the result is undefined.
+    /// Does the same as [`Bokeh::render`] for an image that fills only a part of its textures, the `viewport`. The
+    /// pixels of the result around the viewport are undefined.
     ///
     /// # Errors
     ///
-    /// If it was not made by [`Bokeh::with_viewport`], or the viewport is empty or not within the image, or does not begin
-    /// at multiples of 8 with [`Method::Layered`]. Nothing is recorded then.
+    /// Returns an error and records nothing in these cases: the effect was not made by [`Bokeh::with_viewport`], the
+    /// viewport is empty or not within the textures, or, with [`Method::Layered`], it does not begin at multiples of 8.
     pub fn render_part<'a>(
         &self,
         queue: &Queue,
@@ -358,7 +380,7 @@ impl Bokeh {
         if !fits || viewport.width == 0 || viewport.height == 0 {
             return Err(Error::Outside(viewport, (full.width, full.height)));
         }
-        // a texel of the smallest targets, 8 x 8 pixels for layered, must not lie across the edge
+        // no texel of the smallest targets (8 x 8 pixels for layered) may lie across the edge of the viewport
         let texel = self.frame.passes.iter().map(|pass| pass.scale).max().unwrap_or(1);
         if viewport.x % texel != 0 || viewport.y % texel != 0 {
             return Err(Error::Misaligned(viewport));
@@ -389,7 +411,7 @@ impl Bokeh {
             viewport_y: viewport.y as f32,
             texture_width: targets.full.width as f32,
             texture_height: targets.full.height as f32,
-            // the preset's
+            // 0 takes the preset's spacing
             spacing: 0.0,
             ..Default::default()
         };
@@ -417,7 +439,7 @@ impl ReadsDepth {
 
 impl Step {
     fn record(&self, encoder: &mut CommandEncoder, viewport: Viewport, has_viewport: bool) {
-        // what is around a viewport stays as it is
+        // keep the pixels around a viewport
         let load = if has_viewport { LoadOp::Load } else { LoadOp::Clear(Color::TRANSPARENT) };
         let attachments: Vec<_> = self
             .targets

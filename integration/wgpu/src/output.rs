@@ -1,16 +1,17 @@
 // SPDX-License-Identifier: MIT
 
-//! The result in a target of the caller's.
+//! Copies the result to a target of the caller.
 
 use wgpu::*;
 
-/// Copies the result, texel by texel, with an alpha of 1, to a target of one format.
+/// Copies the result to targets of one format, texel by texel, with an alpha of 1.
 pub struct Output {
     pipeline: RenderPipeline,
 }
 
 impl Output {
-    /// An sRGB format encodes; nothing is tone mapped.
+    /// Creates the pipeline for targets of a format. If the format is an sRGB format, the copy is sRGB-encoded. The
+    /// copy is not tone-mapped.
     pub fn new(device: &Device, format: TextureFormat) -> Self {
         let source = ShaderSource::Wgsl(include_str!("output.wgsl").into());
         let module = &device.create_shader_module(ShaderModuleDescriptor { label: Some("bokeh output"), source });
@@ -33,7 +34,7 @@ impl Output {
         Self { pipeline }
     }
 
-    /// Records the copy. `view` has the size of the image.
+    /// Records the copy of `result` to `view`, which must have the same size.
     pub fn draw(&self, device: &Device, encoder: &mut CommandEncoder, result: &Texture, view: &TextureView) {
         let bindings = device.create_bind_group(&BindGroupDescriptor {
             label: Some("bokeh output"),

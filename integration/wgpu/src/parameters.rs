@@ -2,7 +2,7 @@
 
 //! The uniform buffer of the passes.
 
-/// What `bokeh.wgsl` has under the same name; docs/reference/parameters.md has the units.
+/// Mirrors the struct of the same name in `bokeh.wgsl`. docs/reference/parameters.md has the units.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct BokehParameters {
@@ -116,10 +116,10 @@ impl Default for BokehParameters {
 }
 
 impl BokehParameters {
-    /// Bytes of the buffer.
+    /// The size of the buffer in bytes.
     pub const SIZE: u64 = size_of::<Self>() as u64;
 
-    /// The floats one after another, as the buffer holds them.
+    /// Returns the bytes of the buffer: all floats, one after another.
     pub fn bytes(&self) -> Vec<u8> {
         let count = size_of::<Self>() / 4;
         // SAFETY: the struct is repr(C) and all of its members are f32, so it is an array of them.

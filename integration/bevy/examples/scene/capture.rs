@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 
-//! Draws the scene by each method and shape and leaves the camera's image and its depth as the shaders read them, and
-//! their results, in files. For validation/run; a game needs nothing of this.
+//! Draws the scene with each method and shape. Writes the colour and depth that the shaders read, and everything that
+//! they wrote, into files. This is for `validation/run engines`; your game does not need it.
 
 use bevy::{
     asset::RenderAssetUsages,
@@ -26,17 +26,19 @@ use bevy::{
 use bokeh_bevy::{Bokeh, BokehDebug, BokehMethod, BokehPreset, BokehShape, BokehSystems, BokehTextures};
 use std::{fs, path::PathBuf};
 
-/// Widths are multiples of 256, so that rows of all targets are, in bytes, and are read back without gaps.
+/// Sizes of the images. The widths are multiples of 256 pixels. In all targets, even in those of 1/8 size, a row is
+/// then a multiple of 256 bytes, so the data that is read back has no gaps between rows.
 const SMALL: UVec2 = UVec2::new(256, 172);
 const SIZE: UVec2 = UVec2::new(512, 344);
 
-/// Frames until what is read back is the new shot.
+/// Number of frames after which the data that is read back shows the new shot.
 const FRAMES_PER_SHOT: u32 = 8;
 
-/// Of shots whose name begins with "rotated", degrees clockwise.
+/// Rotation of the shots whose names begin with "rotated", degrees clockwise.
 const CLOCKWISE: f32 = 10.0;
 
-/// Method, shape, preset, [`Msaa`] and size, in one run. Nothing moves: depth is that of the paper's shots.
+/// The shots of a run: name, method, shape, preset, [`Msaa`] and size. The scene does not move, so the depth that the
+/// shots of [`BokehMethod::Paper`] write is the depth of all shots of the same size.
 const SHOTS: [(&str, BokehMethod, BokehShape, BokehPreset, Msaa, UVec2); 10] = [
     ("layered-small", BokehMethod::Layered, BokehShape::Hexagon, BokehPreset::Medium, Msaa::Off, SMALL),
     ("paper-small", BokehMethod::Paper, BokehShape::Hexagon, BokehPreset::Medium, Msaa::Off, SMALL),
@@ -57,16 +59,16 @@ pub struct CapturePlugin {
 #[derive(Resource)]
 struct Folder(PathBuf);
 
-/// The camera's target.
+/// The image that the camera draws to.
 #[derive(Resource)]
 struct Picture(Handle<Image>);
 
-/// What the camera's image and the targets are copied to, so that they can be read back.
+/// The buffer to which the camera's image and the targets are copied, so that they can be read back.
 #[derive(Resource, ExtractResource, Clone)]
 #[extract_app(RenderApp)]
 struct Copies(Handle<ShaderBuffer>);
 
-/// What was read back last, by name.
+/// The data that was read back last, by name.
 #[derive(Resource, Default)]
 struct Latest(HashMap<&'static str, Vec<u8>>);
 
@@ -109,12 +111,12 @@ fn prepare(
     commands.insert_resource(Copies(copies));
 }
 
-/// Of a target.
+/// Returns the number of texels of a target.
 fn texels(size: UVec2, scale: u32) -> usize {
     (size.x.div_ceil(scale) * size.y.div_ceil(scale)) as usize
 }
 
-/// Copy textures one after the other to where `offset` is.
+/// Copies textures to a buffer, one after the other, beginning at `offset` bytes.
 fn copy<'a>(
     context: &mut RenderContext,
     from: impl Iterator<Item = &'a Texture>,
@@ -141,7 +143,7 @@ fn copy_color(
     }
 }
 
-/// All targets in the order of the passes, after the colour.
+/// Copies all targets to the buffer, after the colour, in the order of the passes.
 fn copy_written(
     view: ViewQuery<(&ViewTarget, &BokehTextures), With<Bokeh>>,
     copies: Res<Copies>,
@@ -156,7 +158,7 @@ fn copy_written(
     }
 }
 
-/// Keep what the shot has drawn, then go on to the next one. After the shots there are a debug view, and a frame
+/// Writes the files of the current shot, then goes on to the next one. After the shots come a debug view and a frame
 /// without blur.
 fn next_shot(
     mut frame: Local<u32>,
@@ -191,7 +193,7 @@ fn next_shot(
             save(&latest.0["picture"], folder.0.join("debug.png"));
             write("capture.json".into(), description(&bokeh, &adapter).as_bytes());
         } else {
-            // a pass would write the circle of confusion to alpha, which is 1
+            // the scene has an alpha of 1; if a pass had run, alpha would be the circle of confusion
             let (color, targets) = read_back(&latest.0["copies"], &bokeh, SIZE);
             assert!(targets.ends_with(color), "a bokeh scale of 0 does not leave the scene as it is");
             exit.write(AppExit::Success);
@@ -208,7 +210,7 @@ fn next_shot(
     save(&latest.0["picture"], folder.0.join("picture.png"));
 }
 
-/// The camera's image, and what the passes wrote, of which the result is the last.
+/// Returns the camera's image, and everything that the passes wrote; the result comes last.
 fn read_back<'a>(copies: &'a [u8], bokeh: &Bokeh, size: UVec2) -> (&'a [u8], &'a [u8]) {
     let bytes = |name: &&str, scale| texels(size, scale) * if *name == "metres" { 4 } else { 8 };
     let written = bokeh.passes().flat_map(|pass| pass.writes.iter().map(|name| bytes(name, pass.scale))).sum();
@@ -231,11 +233,11 @@ fn save(pixels: &[u8], path: PathBuf) {
     image.try_into_dynamic().unwrap().to_rgb8().save(path).expect("the folder can be written to");
 }
 
-/// capture.json: validation/engines/capture.py has its format.
+/// Returns the text of capture.json. validation/engines/capture.py describes the format.
 fn description(bokeh: &Bokeh, adapter: &RenderAdapterInfo) -> String {
     let shots = SHOTS.map(|(name, method, shape, preset, _, UVec2 { x, y })| {
         let [method, shape, preset] = [format!("{method:?}"), format!("{shape:?}"), format!("{preset:?}")];
-        // the paper's with what the preset stands for
+        // capture.json has no preset for paper: write the values of MEDIUM instead
         let more = if method == "Paper" {
             r#""spacing": 1.5, "samples": 9"#.into()
         } else {
@@ -269,7 +271,7 @@ fn description(bokeh: &Bokeh, adapter: &RenderAdapterInfo) -> String {
     )
 }
 
-/// The autofocus, frame by frame, on two depths.
+/// Returns the focus distances of an autofocus on two depths, frame by frame, as JSON.
 fn pulled(bokeh: &Bokeh) -> String {
     let (frame, seconds, depths) = (1.0 / 30.0, 0.2, [7.0, 2.2]);
     let mut pulled = bokeh.clone();

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 
-//! Lamps before and behind a tower of blocks that is in focus. `cargo run --example scene -- FOLDER` draws it without a
-//! window and leaves picture.png, debug.png and what the shaders read and wrote in the folder.
+//! A tower of blocks in focus, with lamps in front of it and behind it. `cargo run --example scene -- FOLDER` draws the
+//! scene without a window. It writes picture.png, debug.png and everything that the shaders read and wrote into FOLDER.
 
 mod capture;
 
@@ -13,7 +13,7 @@ use bokeh_bevy::{Bokeh, BokehPlugin, view_depth};
 use capture::CapturePlugin;
 use std::time::Duration;
 
-/// What the camera focuses on.
+/// Marks an object that the camera focuses on.
 #[derive(Component)]
 struct Subject;
 
@@ -31,7 +31,7 @@ fn main() -> AppExit {
 }
 
 fn setup(mut commands: Commands, mut meshes: ResMut<Assets<Mesh>>, mut materials: ResMut<Assets<StandardMaterial>>) {
-    // What a lens of 50 mm sees on a sensor that is 24 mm high
+    // Vertical field of view of a 50 mm lens on a sensor that is 24 mm high
     let fov = 2.0 * (0.012_f32 / 0.05).atan();
     commands.spawn((
         Camera3d::default(),
@@ -39,7 +39,7 @@ fn setup(mut commands: Commands, mut meshes: ResMut<Assets<Mesh>>, mut materials
         Projection::from(PerspectiveProjection { fov, ..default() }),
         Tonemapping::AcesFitted,
         Transform::from_xyz(0.0, 1.5, 0.0).looking_at(Vec3::new(0.0, 1.2, -6.0), Vec3::Y),
-        // f/1 in a model of 1 : 5: a strong blur, for a small picture
+        // f/1 with a bokeh scale of 5: a strong blur, because the picture is small
         Bokeh::with_lens(fov, 1.0, 5.0),
     ));
     commands.spawn((
@@ -47,7 +47,7 @@ fn setup(mut commands: Commands, mut meshes: ResMut<Assets<Mesh>>, mut materials
         Transform::default().looking_to(Vec3::new(-0.5, -0.7, -1.0), Vec3::Y),
     ));
 
-    // The tower, 6 m away: four blocks, each turned a little more
+    // The tower, 6 m away: four blocks, each rotated a little more than the one below it
     let block = meshes.add(Cuboid::from_length(0.55));
     for (level, color) in [0xE0_5A_3C_u32, 0xF0_C0_50, 0x4C_A0_90, 0xEC_E8_DC].into_iter().enumerate() {
         let mut block = commands.spawn((
@@ -61,7 +61,7 @@ fn setup(mut commands: Commands, mut meshes: ResMut<Assets<Mesh>>, mut materials
         }
     }
 
-    // Brighter than white: what bokeh is made of
+    // The lamps are much brighter than white, so their blur is visible as polygons
     let lamp = meshes.add(Sphere::new(1.0));
     let mut spawn_lamp = |place: Vec3, radius: f32, color: LinearRgba| {
         commands.spawn((
@@ -103,7 +103,8 @@ fn setup(mut commands: Commands, mut meshes: ResMut<Assets<Mesh>>, mut materials
     }
 }
 
-/// Pull the focus to the nearest subject, wherever they and the camera go. In the first frame it is there at once.
+/// Moves the focus smoothly to the nearest subject, also if the subjects or the camera move. In the first frame, the
+/// focus jumps there.
 fn focus_on_subjects(
     subjects: Query<&GlobalTransform, With<Subject>>,
     camera: Single<(&GlobalTransform, &mut Bokeh)>,

@@ -1,4 +1,4 @@
-// A material's parameter X is the uniform m_X here.
+// In jMonkeyEngine, the uniform of the material parameter X has the name m_X.
 #define BokehColorSamp m_Texture
 #define BokehDepthSamp m_DepthTexture
 #define BokehColorSampB m_TextureB

@@ -1,7 +1,7 @@
 in vec4 inPosition;
 out vec2 BokehUV;
 
-// The quad of a Filter goes from 0 to 1. v = 0 is the first row in memory.
+// The corners of a filter's quad have coordinates of 0 and 1. v = 0 is the first row in memory.
 void main()
 {
     BokehUV = inPosition.xy;

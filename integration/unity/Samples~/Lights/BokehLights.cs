@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Put it on the main camera of an empty scene and press Play: lights from 2 m to 20 m, and a focus that goes through them.
+// Fills the scene with lights, 2 m to 20 m in front of the camera, through which the focus moves. Put this component on
+// the main camera of an empty scene and press Play.
 
 using PolygonalBokeh;
 using UnityEngine;

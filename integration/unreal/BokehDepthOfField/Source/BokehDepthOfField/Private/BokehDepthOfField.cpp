@@ -1,6 +1,6 @@
 // Copyright (c) 2026 the authors of the polygonal bokeh shader package
 // SPDX-License-Identifier: MIT
-// The plug-in's module, and the focus distance from the world.
+// Defines the plug-in's module, and the functions of BokehDepthOfField.h, which set the focus distance.
 
 #include "BokehDepthOfField.h"
 
@@ -32,7 +32,7 @@ public:
     {
         const FString Folder = IPluginManager::Get().FindPlugin(TEXT("BokehDepthOfField"))->GetBaseDir();
         AddShaderSourceDirectoryMapping(TEXT("/Plugin/BokehDepthOfField"), FPaths::Combine(Folder, TEXT("Shaders")));
-        // view extensions need the engine, which is not there yet
+        // view extensions need the engine, which is not initialised yet
         PostEngineInit().AddRaw(this, &FBokehDepthOfFieldModule::Register);
     }
 
@@ -65,7 +65,7 @@ namespace
         FVector Location;
         FRotator Rotation;
         Player.GetPlayerViewPoint(Location, Rotation);
-        // depth along the view axis, not the length of the ray; the engine has centimetres
+        // depth along the view axis, not the length of the ray; the engine's unit is a centimetre
         const double Centimetres = FVector::DotProduct(WorldPosition - Location, Rotation.Vector());
         return static_cast<float>(Centimetres * 0.01);
     }
@@ -89,7 +89,7 @@ bool Bokeh::FocusOnPixel(const APlayerController& Player, const FVector2D& Pixel
 
 void Bokeh::PullFocus(const APlayerController& Player, const TArray<FVector2D>& Pixels, float DeltaSeconds, float Tau)
 {
-    // 1 / distance changes evenly, not the distance: docs/lens.md. Where nothing is hit, 1000 km
+    // Interpolates 1 / distance instead of the distance: docs/lens.md. If no ray hits an object, the depth is 1000 km
     float Nearest = 1e-6f;
     for (const FVector2D& Pixel : Pixels)
     {
@@ -101,7 +101,7 @@ void Bokeh::PullFocus(const APlayerController& Player, const TArray<FVector2D>& 
     }
     const float K = 1.0f - FMath::Exp(-DeltaSeconds / Tau);
     const float Before = FocusDistance().GetFloat();
-    // 0: the focus was the camera's until now, which is not known here
+    // 0 means that the camera has set the focus until now. This distance is not known here, so the focus jumps
     const float Inverse = Before > 0.0f ? (1.0f - K) / Before + K * Nearest : Nearest;
     FocusDistance().Set(1.0f / Inverse, ECVF_SetByCode);
 }

@@ -1,6 +1,7 @@
 // Copyright (c) 2026 the authors of the polygonal bokeh shader package
 // SPDX-License-Identifier: MIT
-// The passes, in the render dependency graph. Lengths in metres; the engine's centimetres end in the first shader.
+// Adds the passes to the render dependency graph. Lengths are in metres; the first shader converts the engine's depth
+// from centimetres.
 
 #include "BokehViewExtension.h"
 
@@ -36,8 +37,9 @@ BOKEH_SETTING(float, FarMaxCoC, 1.0f, "limit behind the focus distance");
 BOKEH_SETTING(float, Rotation, 0.0f, "degrees, clockwise");
 BOKEH_SETTING(float, Squeeze, 0.0f, "width over height of the bokeh; 0: by the camera's squeeze factor, or 1");
 
-// The lens of a view, in metres: what console variables set; else what a cine camera or a post-process volume sets for
-// depth of field; else the defaults here
+// The lens of a view. Lengths are in metres. A console variable that is above 0 sets its value. All other values come
+// from the depth of field settings of a cine camera or a post-process volume. If there are none, the defaults below
+// are used.
 struct FBokehLens
 {
     float FStop = 2.8f;
@@ -49,14 +51,14 @@ struct FBokehLens
     FBokehLens(const FSceneView& View, const FIntRect& ViewRect)
     {
         const FPostProcessSettings& Settings = View.FinalPostProcessSettings;
-        // the same condition turns the engine's own depth of field on
+        // the engine turns its own depth of field on under the same condition
         if (Settings.DepthOfFieldFstop > 0.0f && Settings.DepthOfFieldFocalDistance > 0.0f)
         {
             FStop = Settings.DepthOfFieldFstop;
             FocusDistance = 0.01f * Settings.DepthOfFieldFocalDistance;
             SensorHeight = 0.001f * Settings.DepthOfFieldSensorWidth * static_cast<float>(ViewRect.Height()) / static_cast<float>(ViewRect.Width());
             Squeeze = 1.0f / FMath::Max(Settings.DepthOfFieldSqueezeFactor, 1.0f);
-            // 4 to 16 blades, of which an even number is drawn, up to 10
+            // the camera has 4 to 16 blades; the polygon has an even number of sides, 4 to 10
             Sides = FMath::Clamp((Settings.DepthOfFieldBladeCount + 1) / 2 * 2, 4, 10);
         }
         Override(FStop, SettingFStop.GetValueOnRenderThread());
@@ -73,7 +75,7 @@ private:
     }
 };
 
-// Names and types are those of BokehDepthOfField.usf and bokeh_passes.ush
+// The parameters of all shaders. Names and types must be the same in BokehDepthOfField.usf and bokeh_passes.ush
 #define BOKEH_DECLARE(Name, Default) SHADER_PARAMETER(float, Bokeh##Name)
 BEGIN_SHADER_PARAMETER_STRUCT(FBokehParameters, )
     SHADER_PARAMETER_STRUCT_REF(FViewUniformShaderParameters, View)
@@ -116,12 +118,12 @@ public:
     }; \
     IMPLEMENT_GLOBAL_SHADER(FBokeh##Name##PS, "/Plugin/BokehDepthOfField/BokehDepthOfField.usf", Entry, SF_Pixel)
 
-// those of bokeh_passes.ush read textures of the view's size only
+// These three replace passes of bokeh_passes.ush, which can read only textures that have the size of the view
 BOKEH_SHADER(LinearDepth, "BokehViewMetres_PS");
 BOKEH_SHADER(SignedCoCMap, "BokehViewMap_PS");
 BOKEH_SHADER(CoCMap, "BokehPaperMap_PS");
 
-// Draws a pass with a class's shader
+// A function that draws a pass with the shader of a class
 using FBokehDraw = void (*)(
     FRDGBuilder&, const FSceneView&, const FString& Name, FBokehParameters*, const FIntRect& Area, FRHIBlendState*);
 
@@ -137,7 +139,7 @@ static void AddBokehPass(FRDGBuilder& GraphBuilder, const FSceneView& View, cons
         Area, Blend);
 }
 
-// Parameters of a pass's own; the angle in degrees, before the rotation
+// Parameters whose values differ from pass to pass. The angle is in degrees, without r.Bokeh.Rotation
 struct FBokehOwn
 {
     float Angle = 0.0f;
@@ -146,7 +148,13 @@ struct FBokehOwn
     float Layer = 0.0f;
 };
 
-// Textures that a pass reads ("-": leaves the slot out) and writes, and 1 / their size
+// Describes a pass.
+//
+// Draw    draws the pass with its shader
+// Reads   names of the textures that it reads, separated by spaces; "-" leaves a slot unused
+// Writes  names of its targets, separated by spaces
+// Scale   divides the size of the view to get the size of the targets, rounded up
+// Own     parameters whose values differ from pass to pass
 struct FBokehStep
 {
     FBokehDraw Draw;
@@ -158,8 +166,9 @@ struct FBokehStep
 
 #include "BokehFrames.h"
 
-// The passes of one view. All but the last write targets of the view's own size or a part of it, so that the library's
-// coordinates run from 0 to 1 there, wherever the view lies in the engine's textures.
+// Draws the passes of one view. All passes except the last one write targets that have the size of the view or a
+// fraction of it. In these targets, the coordinates of the library go from 0 to 1, wherever the view lies in the
+// engine's textures.
 struct FBokehPasses
 {
     FRDGBuilder& GraphBuilder;
@@ -170,7 +179,7 @@ struct FBokehPasses
     const FBokehLens Lens;
     TMap<FString, FRDGTextureRef> Textures;
 
-    // What all passes of the view are given
+    // Returns the parameters that all passes of the view share
     FBokehParameters* Parameters() const
     {
         FBokehParameters* Given = GraphBuilder.AllocParameters<FBokehParameters>();
@@ -219,16 +228,17 @@ struct FBokehPasses
         Given->BokehColorSampD = Read(3);
         Given->BokehColorSampE = Read(4);
         Given->BokehColorSampF = Read(5);
-        // depth kind 0, the default: metres
+        // BokehDepthKind keeps its default of 0: depth is in metres
         Given->BokehDepthSamp = Textures.FindRef(TEXT("metres"));
 
-        // the table has layers of half size, and those of the preset mobile have a quarter
+        // in the tables, the layers have half the view's size; with the preset mobile, they have a quarter
         const bool bQuarter = Step.Scale == 2 && SettingPreset.GetValueOnRenderThread() >= 4;
         FIntRect Area(FIntPoint(0, 0), FIntPoint::DivideAndRoundUp(ViewRect.Size(), bQuarter ? 4 : Step.Scale));
         FRHIBlendState* Blend = nullptr;
         if (Writes[0] == TEXT("result"))
         {
-            // into the engine's place for this view; alpha is the circle of confusion, and 0 there
+            // draw into the part of the engine's target that belongs to this view; the blend state writes 0 to alpha
+            // instead of the circle of confusion
             Area = Output.ViewRect;
             Given->RenderTargets[0] = Output.GetRenderTargetBinding();
             Blend = TStaticBlendState<CW_RGBA, BO_Add, BF_One, BF_Zero, BO_Add, BF_Zero, BF_Zero>::GetRHI();
@@ -286,7 +296,7 @@ FScreenPassTexture FBokehViewExtension::Draw(FRDGBuilder& GraphBuilder, const FS
     {
         Passes.Draw({&AddBokehPass<FBokehLinearDepthPS>, TEXT(""), TEXT("metres"), 1, {}});
     }
-    // the paper's passes read an unsigned CoC
+    // the passes of paper read a CoC without a sign
     const FBokehDraw Map = Method == 2 ? &AddBokehPass<FBokehCoCMapPS> : &AddBokehPass<FBokehSignedCoCMapPS>;
     Passes.Draw({Map, TEXT("color"), TEXT("coc"), 1, {}});
     if (bDebug)

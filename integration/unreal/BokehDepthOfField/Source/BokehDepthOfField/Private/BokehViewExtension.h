@@ -6,7 +6,7 @@
 #include "CoreMinimal.h"
 #include "SceneViewExtension.h"
 
-// Draws the bokeh into each view, before the engine's own depth of field
+// Draws the effect in each view, at the point of the frame just before the engine's own depth of field
 class FBokehViewExtension : public FSceneViewExtensionBase
 {
 public:
