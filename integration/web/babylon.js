@@ -273,7 +273,7 @@ export class PolygonBokeh extends withLens(PostProcess) {
 // outputTexture  handle of the result, for the tasks after this one
 export class PolygonBokehTask extends withLens(FrameGraphTask) {
   // name, frameGraph  as for every task
-  // camera            the camera that draws the scene. You may replace it by a camera with the same kind of projection,
+  // camera            the camera that draws the scene. You may set another one later, with the same kind of projection,
   //                   perspective or orthographic.
   // given             the options, as for PolygonBokeh
   constructor(name, frameGraph, camera, given) {

@@ -44,7 +44,7 @@ export async function madeIn(root) {
   mkdirSync(project);
   writeFileSync(join(project, 'package.json'), '{"type": "module"}');
   const commands = readFileSync(join(WEB, 'README.md'), 'utf8').split('```')[1].trim().split('\n').slice(1);
-  // the last command checks that a later install does not replace the copy by a link
+  // the last command checks that a later install does not replace the copy with a link
   for (const line of [...commands, 'npm install']) {
     await npm(project, ...line.split(' ').slice(1).map((word) => (word.includes('PATH') ? WEB : word)));
   }
