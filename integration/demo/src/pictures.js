@@ -22,8 +22,8 @@ export async function embedded(name) {
 }
 
 // Loads the user's files: an EXR with the channels R, G, B and Z, or two images, of which the one with a name such as
-// depth.png is the depth (white is near). Returns { name, color, depth, truth: null, focal, focus, exposure }, with a
-// lens that fits most images. Throws an Error with a message of one line.
+// depth.png is the depth (white is near). Returns { name, color, depth, truth: null, focal, focus, exposure }. Its lens
+// is a default: 50 mm, focused on the middle of the image. Throws an Error with a message of one line.
 export async function dropped(files) {
   const isDepth = (file) => /depth|disparity|_z\b/i.test(file.name);
   const file = files.find((file) => !isDepth(file)) ?? files[0];
