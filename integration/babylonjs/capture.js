@@ -1,4 +1,4 @@
-// For the validation suite only: every method and shape, and what went into it, as raw pixels.
+// For the validation suite only: draws every method and polygon, and returns their inputs and results as raw pixels.
 
 import { AbstractEngine } from '@babylonjs/core/Engines/abstractEngine.js';
 import { Vector3 } from '@babylonjs/core/Maths/math.vector.js';
@@ -9,13 +9,13 @@ import { addBokeh, depthsUnder } from './sample.js';
 
 const WIDTH = 320;
 const HEIGHT = 240;
-// of the shots: small, since the reference runs every pass of each
+// The size of the shots is small, because the reference computes every pass of each shot.
 const SIZE = [160, 120];
-// one that 2, 4 and 8 do not divide, where there are smaller targets
+// For layered, a size that 2, 4 and 8 do not divide, because its targets have 1 / 2, 1 / 4 and 1 / 8 of the size
 const ODD_SIZE = [157, 117];
 const SHAPES = { hexagon: 6, square: 4, octagon: 8, decagon: 10 };
 const METHODS = ['layered', 'exact']; // the default first
-// Once more as the sample's user rotates and squeezes it, degrees clockwise
+// Polygons to draw a second time, rotated by CLOCKWISE degrees and squeezed
 const ROTATED = { exact: 'square' };
 const CLOCKWISE = 10;
 const SQUEEZE = 0.75;
@@ -24,14 +24,14 @@ const keysOf = (rotated) => (rotated ? { clockwise: CLOCKWISE, squeeze: SQUEEZE 
 
 const base64 = (array) => new Uint8Array(array.buffer, array.byteOffset, array.byteLength).toBase64();
 
-// The sample with its own loop stopped
+// Returns the sample, with its render loop stopped.
 async function stopped(kind) {
   const { sample } = await import(`./${kind}.js`);
   sample.engine.stopRenderLoop();
   return sample;
 }
 
-// One frame with another PolygonBokeh, of these options
+// Replaces the PolygonBokeh with one that has these options, and draws a frame.
 async function draw(sample, options, [width, height], uniforms = {}) {
   const { engine, scene, subject } = sample;
   sample.bokeh.dispose();
@@ -49,7 +49,7 @@ async function draw(sample, options, [width, height], uniforms = {}) {
   engine.endFrame();
 }
 
-// Pixels of a texture of the engine's, first row in memory first
+// Returns the pixels of an internal texture of the engine, beginning with the first row in memory.
 async function pixels(engine, texture, channels) {
   const { width, height } = texture;
   const bytes = await engine._readTexturePixels(texture, width, height, -1, 0, null, true, true); // WebGPU: as bytes
@@ -73,7 +73,7 @@ async function readFrame(sample) {
   };
 }
 
-// What every pass wrote, one after the other, in the order of docs/reference/passes.md
+// Returns the pixels that the passes wrote, one target after the other, in the order of docs/reference/passes.md.
 async function readPasses({ engine, bokeh, tone }) {
   const textures = bokeh.passes.flatMap(({ target }) => target?.renderTarget.textures ?? tone.inputTexture.texture);
   const found = [];
@@ -81,7 +81,7 @@ async function readPasses({ engine, bokeh, tone }) {
   return new Uint8Array(await new Blob(found).arrayBuffer());
 }
 
-// { data: what capture.json holds, files: name -> base64 } of 'webgl'
+// Returns { data: the content of capture.json, files: name -> base64 } for 'webgl' or 'webgpu'.
 export async function capture(kind) {
   const sample = await stopped(kind);
   const { engine } = sample;
@@ -123,12 +123,13 @@ export async function capture(kind) {
   return { data, files };
 }
 
-// One frame of the sample's scene as a frame graph: its colour, depth, result, the canvas, and what the shot is told
+// Draws a frame of the sample's scene with a frame graph. Returns its colour, depth and result, the output of all
+// passes, the canvas as PNG (picture), and further values of the shot (shown).
 async function drawnByGraph({ engine, scene, camera, subject }, options, bokehScale = 20) {
   const { imageProcessingConfiguration: processing } = scene;
-  processing.applyByPostProcess = false; // as in a scene without post processes: a task takes notice only of changes
+  processing.applyByPostProcess = false; // as in a scene without post processes; the task only reacts to changes
   const { graph, bokeh } = await addGraph(scene, camera, options);
-  graph.optimizeTextureAllocation = false; // textures that are read afterwards are not used for others
+  graph.optimizeTextureAllocation = false; // otherwise, the graph reuses textures that are read below
   bokeh.focusOn(subject.position);
   bokeh.setLens(1.4, bokehScale);
   await graph.buildAsync();
@@ -150,11 +151,12 @@ async function drawnByGraph({ engine, scene, camera, subject }, options, bokehSc
   scene.frameGraph = null;
   graph.dispose();
   processing.applyByPostProcess = true;
-  scene.activeCamera = camera; // which a graph takes away
+  scene.activeCamera = camera; // the graph has removed it
   return found;
 }
 
-// The autofocus, frame by frame, on the floor and the wall
+// Runs the autofocus frame by frame, on a point of the floor and a point of the wall. Returns its inputs and the focus
+// distances.
 function pulled(sample) {
   const { bokeh } = sample;
   const points = [[152.5, 78.5], [95.5, 55.5]];
@@ -169,7 +171,7 @@ function pulled(sample) {
   return { frame, seconds, from, points: points.map(rows), distances };
 }
 
-// What the shaders got, which is float32.
+// Returns the lens as the shaders got it, in float32.
 function settings(uniforms) {
   const value = (name) => Math.fround(uniforms[name]);
   return {
@@ -183,8 +185,8 @@ function settings(uniforms) {
   };
 }
 
-// A bokehScale of 0, of the post process and of the task: passes that draw, whether the result is the scene, whether the
-// blur comes back
+// Sets a bokehScale of 0. For the post process, returns how many passes are drawn, whether the result is the scene, and
+// whether the blur comes back; for the task, whether its result is the scene.
 export async function unblurred(kind) {
   const sample = await stopped(kind);
   const { engine, tone, scene, camera } = sample;
@@ -216,16 +218,17 @@ export async function unblurred(kind) {
   return { ...found, comesBack, task: base64(byTask.result) === base64(byTask.color) };
 }
 
-// Depth in metres as the passes read it, and as a ray finds it, at some pixels, with both kinds of cameras, and in a
-// right-handed scene, and whether the CoC map has them nearer than the focus: [{ name, drawn: [...], met: [...],
-// nearer: [...], focus }]. The wall is gone: where no ray meets anything, it is maxZ.
+// Compares depths at some pixels, for both kinds of cameras, and in a right-handed scene. Returns [{ name, drawn: the
+// depths in metres as the passes read them, met: the depths where rays hit an object, or maxZ, nearer: whether the CoC
+// map has the pixel in front of the focus, focus, maxZ }]. The wall is hidden, so that some rays hit nothing.
 export async function depths(kind) {
   const sample = await stopped(kind);
   const { scene, camera } = sample;
   const [orthoLeft, orthoRight, orthoTop, orthoBottom] = [-3.2, 3.2, 2.4, -2.4];
   Object.assign(camera, { orthoLeft, orthoRight, orthoTop, orthoBottom });
   scene.getMeshByName('wall').setEnabled(false);
-  for (const material of scene.materials) material.backFaceCulling = false; // which hand decides what is in front
+  // front and back faces swap in a right-handed scene
+  for (const material of scene.materials) material.backFaceCulling = false;
   const found = [];
   for (const [name, mode, hand] of [['perspective', 0, false], ['orthographic', 1, false], ['right-handed', 0, true]]) {
     camera.mode = mode;
@@ -246,14 +249,15 @@ async function probed(sample) {
       const place = (HEIGHT - 1 - y) * WIDTH + x;
       const { hit, pickedPoint } = scene.pick(x + 0.5, y + 0.5);
       drawn.push(depth[place]);
-      nearer.push(map[4 * place + 3] > 0x8000); // half floats below 0
+      nearer.push(map[4 * place + 3] > 0x8000); // the half float is negative
       met.push(hit ? Math.abs(Vector3.TransformCoordinates(pickedPoint, camera.getViewMatrix()).z) : camera.maxZ);
     }
   }
   return { drawn, met, nearer, focus: bokeh.uniforms.focusDistance };
 }
 
-// The debug views: { focus, maxCoC, depth, coc: rgba with the CoC in a, views: { 1: rgba, 2: rgba, 3: rgba } }
+// Draws the debug views. Returns { focus, maxCoC, depth, coc: rgba with the CoC in a, views: { 1: rgba, 2: rgba,
+// 3: rgba } }.
 export async function views(kind) {
   const sample = await stopped(kind);
   const found = { views: {} };
@@ -268,8 +272,8 @@ export async function views(kind) {
   return found;
 }
 
-// What the sample's own keys and clicks do: the focus distance before, after a drag that ends on the box, and after a
-// click on it; the passes left after a key.
+// Tests the sample's own keys and clicks. Returns the focus distance before, after a drag that ends on the box, and
+// after a click on the box; the depth of the box; and the passes after a key was pressed.
 export async function interaction(kind) {
   const { sample } = await import(`./${kind}.js`);
   const { engine, scene, camera } = sample;
@@ -297,7 +301,7 @@ export async function interaction(kind) {
   dispatchEvent(new KeyboardEvent('keydown', { key: '2' }));
   let [last, after] = [0, before];
   while (last !== after) {
-    // until a frame is pulled no further than a tenth of a millimetre
+    // until the focus moves by less than a tenth of a millimetre per frame
     await drawn();
     [last, after] = [after, Math.round(sample.bokeh.uniforms.focusDistance * 1e4) / 1e4];
   }
@@ -305,7 +309,7 @@ export async function interaction(kind) {
   return { before, dragged, after, box: depth, passes: sample.bokeh.passes.map(({ call }) => call) };
 }
 
-// What a frame of these options and uniforms shows, or why there is none
+// Returns the pixels of a frame with these options and uniforms, or the error message.
 export async function shown([kind, options, uniforms]) {
   const sample = await stopped(kind);
   try {

@@ -1,4 +1,4 @@
-// The sample as a frame graph, which draws the scene once, with its colours and its depth.
+// The sample as a frame graph, which draws colour and depth of the scene at once.
 
 import { Constants } from '@babylonjs/core/Engines/constants.js';
 import { FrameGraph } from '@babylonjs/core/FrameGraph/frameGraph.js';
@@ -11,14 +11,15 @@ import '@babylonjs/core/Engines/Extensions/engine.multiRender.js';
 import '@babylonjs/core/Engines/WebGPU/Extensions/engine.multiRender.js';
 import { PolygonBokehTask } from 'polygonal-bokeh/babylon';
 
-// A texture as large as the canvas
+// Creates a texture with the size of the canvas.
 function texture(graph, name, type, format) {
   const options = { createMipMaps: false, types: [type], formats: [format], samples: 1, useSRGBBuffers: [false], labels: [name] };
   const size = { width: 100, height: 100 };
   return graph.textureManager.createRenderTargetTexture(name, { size, sizeIsPercentage: true, options });
 }
 
-// { graph, bokeh } of a scene and its camera. `options` are those of PolygonBokehTask.
+// Creates a frame graph with depth of field for a scene and its camera. `options` are passed to PolygonBokehTask.
+// Returns { graph, bokeh }.
 export async function addGraph(scene, camera, options) {
   const graph = new FrameGraph(scene);
 

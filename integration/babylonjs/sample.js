@@ -1,12 +1,12 @@
-// The sample, on either engine of Babylon.js.
+// The sample for both engines of Babylon.js: WebGL 2 (Engine) and WebGPU (WebGPUEngine).
 
 import { Constants } from '@babylonjs/core/Engines/constants.js';
 import { ImageProcessingConfiguration } from '@babylonjs/core/Materials/imageProcessingConfiguration.js';
 import { ImageProcessingPostProcess } from '@babylonjs/core/PostProcesses/imageProcessingPostProcess.js';
 import { PolygonBokeh } from 'polygonal-bokeh/babylon';
-import { makeScene } from './scene.js'; // yours
+import { makeScene } from './scene.js'; // replace it with your own scene
 
-// Depth of field for what the camera sees. `options` are those of PolygonBokeh.
+// Adds depth of field to a camera. `options` are passed to PolygonBokeh.
 export function addBokeh(camera, options) {
   const bokeh = new PolygonBokeh(camera, options);
   bokeh.setLens(1.4, 20); // f/1.4, with a blur 20 times as wide as a real lens's
@@ -22,7 +22,7 @@ function addTone(camera) {
   return new ImageProcessingPostProcess('tone', 1, camera, bilinear, undefined, false, half);
 }
 
-// new Engine(canvas), or a WebGPUEngine after initAsync()
+// Starts the sample. `engine` is new Engine(canvas), or a WebGPUEngine after initAsync().
 export function start(engine) {
   const { scene, camera, subject } = makeScene(engine);
   const sample = { engine, scene, camera, subject, bokeh: addBokeh(camera), tone: addTone(camera) };
@@ -35,7 +35,7 @@ export function start(engine) {
   return sample;
 }
 
-// Depths under points of the canvas, pixels; Infinity where nothing is
+// Returns the depths under points of the canvas (in pixels), and Infinity where there is no object.
 export function depthsUnder(points, { scene, bokeh }) {
   return points.map((point) => {
     const { hit, pickedPoint } = scene.pick(...point);
@@ -48,7 +48,7 @@ export function show(engine) {
   const sample = start(engine);
   const { scene, camera } = sample;
 
-  // A click focuses on what is there, on the nearest of some points around it; a drag does not.
+  // A click focuses on the nearest of the clicked point and four points around it; a drag does not.
   let pressed = [0, 0];
   scene.onPointerDown = () => (pressed = [scene.pointerX, scene.pointerY]);
   scene.onPointerUp = () => {
@@ -57,7 +57,7 @@ export function show(engine) {
     sample.aims = depthsUnder([[x, y], [x - 6, y], [x + 6, y], [x, y - 6], [x, y + 6]], sample);
   };
 
-  // Keys 1 to 3 choose a debug view, 0 the picture.
+  // Keys 1 to 3 show a debug view, and 0 shows the result.
   addEventListener('keydown', ({ key }) => {
     if (!'0123'.includes(key)) return;
     const { uniforms } = sample.bokeh;

@@ -1,4 +1,4 @@
-// The scene of the samples: lamps before and behind the focus, a checkered floor, and a knot that is in focus.
+// The scene of the samples: lamps in front of and behind the focus, a checkered floor, and a knot in focus.
 
 import { FreeCamera } from '@babylonjs/core/Cameras/freeCamera.js';
 import { Constants } from '@babylonjs/core/Engines/constants.js';
@@ -14,7 +14,7 @@ import { CreatePlane } from '@babylonjs/core/Meshes/Builders/planeBuilder.js';
 import { CreateSphere } from '@babylonjs/core/Meshes/Builders/sphereBuilder.js';
 import { CreateTorusKnot } from '@babylonjs/core/Meshes/Builders/torusKnotBuilder.js';
 import { Scene } from '@babylonjs/core/scene.js';
-import '@babylonjs/core/Culling/ray.js'; // scene.pick
+import '@babylonjs/core/Culling/ray.js'; // for scene.pick
 
 const COLORS = ['#ff7a30', '#ffe0a0', '#60a0ff', '#ff3050', '#70ffb0'];
 
@@ -28,7 +28,7 @@ function place(mesh, x, y, z, color) {
   return mesh;
 }
 
-// A lamp: unlit, as bright as `light` times white
+// Adds a lamp: an unlit sphere, `light` times as bright as its colour.
 function lamp(scene, color, light, diameter, x, y, z) {
   const { material } = place(CreateSphere('lamp', { diameter }, scene), x, y, z, color);
   material.unlit = true;
@@ -46,7 +46,7 @@ function checkered(scene) {
   return texture;
 }
 
-// { scene, camera, subject, box }: the subject is what the samples focus on
+// Creates the scene. Returns { scene, camera, subject, box }; the samples focus on the subject.
 export function makeScene(engine) {
   const scene = new Scene(engine);
   scene.clearColor = new Color4(0.0015, 0.0021, 0.0037, 1);
@@ -66,7 +66,7 @@ export function makeScene(engine) {
   lamp(scene, '#ffa050', 12, 0.06, 0.75, 1.85, 2.4);
   lamp(scene, '#70a0ff', 12, 0.06, -0.8, 1.25, 2.4);
   for (let i = 0; i < 24; i++) {
-    const angle = 2.39996 * i; // the golden angle: spread evenly, and the same each time
+    const angle = 2.39996 * i; // the golden angle spreads the lamps evenly, without random numbers
     const reach = Math.sqrt((i + 1) / 24);
     const x = 6.5 * reach * Math.cos(angle);
     const y = 3.8 + 2.4 * reach * Math.sin(angle);

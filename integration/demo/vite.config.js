@@ -1,4 +1,4 @@
-// Builds the page for a static host, or with --mode file as one HTML file with the data and the pictures in it.
+// Builds the page for a static host or, with --mode file, as one HTML file that contains the data and the images.
 
 import { fileURLToPath } from "node:url";
 import { defineConfig } from "vite";
@@ -7,12 +7,12 @@ import { viteSingleFile } from "vite-plugin-singlefile";
 const repository = fileURLToPath(new URL("../..", import.meta.url));
 
 export default defineConfig(({ mode }) => ({
-  base: "./", // it works in any folder of a host
+  base: "./", // the page works in any folder of a host
   plugins: mode === "file" ? [viteSingleFile()] : [],
   resolve: {
-    // the page draws with the code that the validation draws with, and compares with the effects that it compares with
+    // the page draws with the code of the validation, and shows the effects with which the validation compares
     alias: { "@validation": `${repository}validation` },
-    // those files are outside of this folder, and would not find its packages
+    // those files are outside this folder, and would not find its packages otherwise
     dedupe: ["three", "postprocessing"],
   },
   server: { fs: { allow: [repository] } },

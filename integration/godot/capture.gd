@@ -1,26 +1,26 @@
-# For the validation suite only: every method and shape, and what went into it, as raw pixels.
+# For the validation suite only: draws every method and polygon, and returns their inputs and results as raw pixels.
 extends Node
 
 const Sample := preload("res://sample.gd")
 
 const SIZE := Vector2i(320, 240)
-# of the shots: small, since the reference runs every pass of each
+# The size of the shots is small, because the reference computes every pass of each shot.
 const SHOT := Vector2i(160, 120)
-# one that 2, 4 and 8 do not divide, where there are smaller targets
+# For layered, a size that 2, 4 and 8 do not divide, because its targets have 1 / 2, 1 / 4 and 1 / 8 of the size
 const ODD := Vector2i(157, 117)
 const SHAPES := {
 	layered = { hexagon = 6, decagon = 10 }, # the default first
 	exact = { square = 4, hexagon = 6, octagon = 8, decagon = 10 },
 	paper = { hexagon = 6, octagon = 8 },
 }
-# once more as the sample's user rotates them
+# Polygons to draw a second time, rotated by CLOCKWISE degrees
 const ROTATED := { exact = "square", paper = "hexagon" }
 const CLOCKWISE := 10.0
-# and once with a weaker and a limited blur
+# Settings for one more shot, with a weaker and limited blur
 const FOCUS := { near_scale = 0.5, far_scale = 0.75, near_max_coc = 0.02, far_max_coc = 0.03 }
-# so that Godot's preprocessor meets every preset; all others have MEDIUM
+# Polygon -> preset, so that Godot's preprocessor has to handle nearly every preset; all other polygons have MEDIUM
 const PRESETS := { square = "LOW", octagon = "HIGH", decagon = "ULTRA" }
-# Godot's image of a viewport has 8 bits a channel, so floats go out as their bytes.
+# An image of a viewport has 8 bits per channel in Godot, so this shader splits floats into their bytes.
 const READ := """shader_type canvas_item;
 render_mode unshaded, blend_disabled;
 #include "res://addons/polygon_bokeh/bokeh.gdshaderinc"
@@ -35,7 +35,7 @@ void fragment()
 """
 
 var _asked := JavaScriptBridge.create_callback(_answer)
-# expression of _read's jobs -> the shader that reads it
+# Expression in the jobs of _read -> its shader
 var _shaders := {}
 var _effect: Resource
 
@@ -44,13 +44,13 @@ func _ready() -> void:
 	JavaScriptBridge.get_interface("window").ask = _asked
 
 
-# The page asks for a function below, by its name.
+# Calls one of the functions below, whose name comes from the page, and passes its result to the page.
 func _answer(arguments: Array) -> void:
 	var said: Variant = await call(arguments[0], JSON.parse_string(arguments[1]))
 	JavaScriptBridge.get_interface("window").answer(JSON.stringify(said))
 
 
-# { data: what capture.json holds, files: name -> base64 }; of `shapes`, or of all
+# Returns { data: the content of capture.json, files: name -> base64 } for `shapes`, or for all shapes.
 func capture(shapes: Variant) -> Dictionary:
 	shapes = shapes if shapes else SHAPES
 	var data := {
@@ -73,7 +73,9 @@ func capture(shapes: Variant) -> Dictionary:
 	return { data = data, files = files }
 
 
-# clockwise: degrees; controls: property of the node -> value, all of FOCUS or none
+# Draws a shot, adds its pixels to `files`, and returns its entry in capture.json.
+#   clockwise  rotation in degrees
+#   controls   property of the node -> value: FOCUS or nothing
 func _shot(files: Dictionary, method: String, aperture: String, sides: int, clockwise := 0.0, controls := {}) -> Dictionary:
 	var size := ODD if method == "layered" else SHOT
 	var host := _host(size)
@@ -98,7 +100,8 @@ func _shot(files: Dictionary, method: String, aperture: String, sides: int, cloc
 			scale = [bokeh.near_scale, bokeh.far_scale], limits = [bokeh.near_max_coc, bokeh.far_max_coc],
 		}
 	if method == "paper":
-		shot.merge({ samples = 9, spacing = 1.5 }) # what the preset stands for
+		# the reference has no presets for paper: give it the samples and the spacing of MEDIUM
+		shot.merge({ samples = 9, spacing = 1.5 })
 	var textures := bokeh.textures
 	var jobs := _halves(textures.coc) + _halves(textures.result) + _halves(textures.focus)
 	if "metres" in textures:
@@ -122,7 +125,7 @@ func _shot(files: Dictionary, method: String, aperture: String, sides: int, cloc
 	return shot
 
 
-# The sample in a viewport of its own
+# Adds the sample in a viewport of its own. Returns the viewport.
 func _host(size: Vector2i) -> SubViewport:
 	var made := SubViewport.new()
 	made.size = size
@@ -138,7 +141,7 @@ func _drawn() -> void:
 		await RenderingServer.frame_post_draw
 
 
-# What the shaders got, which is float32
+# Returns the lens as the shaders got it, in float32.
 func _lens(bokeh: PolygonBokeh, focus: PackedByteArray) -> Dictionary:
 	var lens := { focus_distance = focus.decode_half(4) + focus.decode_half(6) }
 	for key: String in ["aperture_diameter", "focal_length", "sensor_height", "max_coc"]:
@@ -146,12 +149,12 @@ func _lens(bokeh: PolygonBokeh, focus: PackedByteArray) -> Dictionary:
 	return lens
 
 
-# What to read of a texture of half floats, in two parts
+# Returns the two jobs for _read that read a texture of half floats.
 func _halves(texture: Texture2D) -> Array:
 	return [[texture, "packHalf2x16(texel.rg)"], [texture, "packHalf2x16(texel.ba)"]]
 
 
-# Parts i and i + 1 of what was read: four half floats a texel, rows from v = 0 on
+# Joins parts i and i + 1 of a result of _read. Returns four half floats per texel, beginning with the row at v = 0.
 func _joined(read: Array[PackedByteArray], i: int) -> PackedByteArray:
 	var all := PackedByteArray()
 	all.resize(2 * read[i].size())
@@ -161,7 +164,7 @@ func _joined(read: Array[PackedByteArray], i: int) -> PackedByteArray:
 	return all
 
 
-# 32 bits a texel, for each [texture, expression of the bits, PolygonBokeh whose scene it needs]
+# Reads 32 bits per texel, for each job: [texture, expression of the bits, PolygonBokeh whose scene it needs].
 func _read(jobs: Array) -> Array[PackedByteArray]:
 	var readers: Array[SubViewport] = []
 	for job: Array in jobs:
@@ -170,11 +173,12 @@ func _read(jobs: Array) -> Array[PackedByteArray]:
 		reader.disable_3d = true
 		reader.transparent_bg = true
 		reader.render_target_update_mode = SubViewport.UPDATE_ALWAYS
-		if job[1] not in _shaders: # each is compiled once
+		if job[1] not in _shaders: # compile each shader only once
 			_shaders[job[1]] = Shader.new()
 			_shaders[job[1]].code = READ % job[1]
 		var material := ShaderMaterial.new()
-		material.shader = _shaders[job[1]] # with its code: without, it is taken for one of 3D
+		# set the shader after its code, because Godot takes a shader without code for one of 3D
+		material.shader = _shaders[job[1]]
 		material.set_shader_parameter("from", job[0])
 		if job.size() > 2:
 			material.set_shader_parameter("scene", job[2].textures.scene)
@@ -194,10 +198,11 @@ func _read(jobs: Array) -> Array[PackedByteArray]:
 	return read
 
 
-# The rest is for test_godot.py. Pixels are halves of four channels in base64, rows from v = 0 on.
+# The rest is for test_godot.py. Pixels are half floats of four channels in base64, beginning with the row at v = 0.
 
-# What the scene's viewport holds, what the passes made of it, and where rays meet floor and wall:
-# { name: { scene, coc, depth, met: [metres of each pixel of the first columns] } }
+# Draws the scene with a perspective and an orthogonal camera. Returns { name: { scene: pixels of the scene's viewport,
+# coc: the CoC map, depth: metres as the passes read them, met: metres at which rays hit the floor or the wall, for the
+# first columns, unit: depth_unit } }.
 func scenes(_argument: Variant) -> Dictionary:
 	var found := {}
 	for projection: String in ["perspective", "orthogonal"]:
@@ -232,7 +237,7 @@ func _meets(camera: Camera3D, pixel: Vector2) -> float:
 	return -(camera.global_transform.affine_inverse() * (start + along * far)).z
 
 
-# The debug views as the screen has them: { focus, max_coc, depth, coc, views: { 1: rgba, 2: rgba, 3: rgba } }
+# Draws the debug views as on the screen. Returns { focus, maxCoC, depth, coc, views: { 1: rgba, 2: rgba, 3: rgba } }.
 func views(_argument: Variant) -> Dictionary:
 	var host := _host(SIZE)
 	host.use_hdr_2d = true # not rounded to 8 bits
@@ -254,7 +259,8 @@ func views(_argument: Variant) -> Dictionary:
 	return found
 
 
-# Autofocus: { frame, seconds, places: [[u, v], ...], depth, before, distances: [metres after each frame] }
+# Runs the autofocus. Returns { frame, seconds, places: [[u, v], ...], depth, before, distances: [metres after each
+# frame] }.
 func pull(_argument: Variant) -> Dictionary:
 	var host := _host(SIZE)
 	var bokeh: PolygonBokeh = host.get_child(0).bokeh
@@ -271,7 +277,7 @@ func pull(_argument: Variant) -> Dictionary:
 	for i in 12:
 		bokeh._process(1.0 / 30.0)
 		await RenderingServer.frame_post_draw
-		bokeh._process(0.0) # reading takes more frames
+		bokeh._process(0.0) # reading takes more frames, in which the focus must not move
 		distances.append(_lens(bokeh, _joined(await _read(_halves(textures.focus)), 0)).focus_distance)
 	host.queue_free()
 	return {
@@ -280,7 +286,8 @@ func pull(_argument: Variant) -> Dictionary:
 	}
 
 
-# The result of the first frame after a change, and of a later one: { first, later, before }
+# Changes the focus distance. Returns the result before the change, in the first frame after it, and in a later frame:
+# { before, first, later }.
 func latency(_argument: Variant) -> Dictionary:
 	var host := _host(SIZE)
 	var bokeh: PolygonBokeh = host.get_child(0).bokeh
@@ -309,8 +316,8 @@ func _drawing(bokeh: PolygonBokeh, mode: SubViewport.UpdateMode) -> void:
 			child.render_target_update_mode = mode
 
 
-# With a bokeh_scale of 0: { drawing: passes that draw, passes: all, coc: the map, whose colour is the scene's, shown: the
-# picture, acts: whether it is another one with the blur }
+# Sets a bokeh_scale of 0. Returns { drawing: how many passes draw, passes: how many there are, coc: the CoC map, whose
+# rgb is the scene, shown: the image on the screen, acts: whether the image with the blur differs from it }.
 func unblurred(_argument: Variant) -> Dictionary:
 	var host := _host(SIZE)
 	host.use_hdr_2d = true # not rounded to 8 bits
@@ -329,7 +336,9 @@ func unblurred(_argument: Variant) -> Dictionary:
 	}
 
 
-# A drag and a click on the box, and a key: { points: how many after each, focus, box, view }; then the node is gone: { drawn: 3D is drawn again, left }
+# Sends a drag and a click on the box, and a key, and then removes the node. Returns { points: how many there are after
+# the drag and after the click, focus, view, hidden: whether the viewport draws no 3D, drawn: whether it draws 3D again
+# afterwards, had, left: the number of the camera's children before and afterwards }.
 func interaction(_argument: Variant) -> Dictionary:
 	var host := _host(SIZE)
 	var sample: Sample = host.get_child(0)
@@ -362,8 +371,9 @@ func interaction(_argument: Variant) -> Dictionary:
 	return said
 
 
-# Whether the effect for the other renderers is a script that this Godot can read, and the passes of its frames. It has
-# no RenderingDevice here, so nothing of it is drawn. The first call makes it, which warns of that.
+# Returns whether Godot can read the scripts for the other renderers (read), and facts about the effect, such as the
+# passes of its frames. There is no RenderingDevice here, so the effect draws nothing, and warns when the first call
+# creates it.
 func compositor(_nothing: Variant) -> Dictionary:
 	var script: GDScript = load("res://addons/polygon_bokeh/polygon_bokeh_effect.gd")
 	if _effect == null:
@@ -378,7 +388,7 @@ func compositor(_nothing: Variant) -> Dictionary:
 	}
 
 
-# What the editor tells of a node in the wrong place, and of one in its place
+# Returns the editor's warnings about a node in the wrong place, and about one in the right place.
 func warnings(_nothing: Variant) -> Dictionary:
 	var node := PolygonBokeh.new()
 	node.method = "paper"

@@ -12,7 +12,7 @@ func _ready() -> void:
 	bokeh = add_bokeh(stage.camera)
 
 
-# What the inspector does under Camera3D > Compositor
+# Does the same as the inspector under Camera3D > Compositor
 func add_bokeh(to: Camera3D) -> PolygonBokehEffect:
 	var made := PolygonBokehEffect.new()
 	made.f_stop = 0.7 # bokeh_scale is 10, so the blur is ten times as wide as a real lens's

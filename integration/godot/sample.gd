@@ -25,11 +25,11 @@ func add_bokeh(to: Camera3D, subject: Node3D) -> PolygonBokeh:
 
 
 func _unhandled_input(event: InputEvent) -> void:
-	# A click focuses on what is there; a drag does not.
+	# A click focuses on the object that it hits; a drag does not.
 	if event is InputEventMouseButton and event.pressed:
 		pressed = event.position
 	elif event is InputEventMouseButton and event.position.distance_to(pressed) <= 5.0:
 		bokeh.points = [event.position / get_viewport().get_visible_rect().size]
-	# Keys 0 to 3 choose the debug view.
+	# Keys 1 to 3 show a debug view, and 0 shows the result.
 	if event is InputEventKey and event.pressed and event.keycode >= KEY_0 and event.keycode <= KEY_3:
 		bokeh.view = event.keycode - KEY_0

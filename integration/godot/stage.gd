@@ -1,4 +1,4 @@
-# The scene of the sample: lamps before and behind the focus, a checkered floor, and a ring in focus.
+# The scene of the sample: lamps in front of and behind the focus, a checkered floor, and a ring in focus.
 extends Node3D
 
 const COLORS = ["ff7a30", "ffe0a0", "60a0ff", "ff3050", "70ffb0"]
@@ -36,7 +36,7 @@ func _ready() -> void:
 	_lamp("ffa050", 12.0, 0.03, Vector3(0.75, 1.85, -2.4))
 	_lamp("70a0ff", 12.0, 0.03, Vector3(-0.8, 1.25, -2.4))
 	for i in 24:
-		var angle := 2.39996 * i # the golden angle: spread evenly, and the same each time
+		var angle := 2.39996 * i # the golden angle spreads the lamps evenly, without random numbers
 		var reach := sqrt((i + 1) / 24.0)
 		var place := Vector3(6.5 * reach * cos(angle), 3.8 + 2.4 * reach * sin(angle), i % 4 - 15.8)
 		_lamp(COLORS[i % 5], 12.0 + 9.0 * (i % 3), 0.07, place)
@@ -69,7 +69,7 @@ func _painted(color: String) -> StandardMaterial3D:
 	return material
 
 
-# Two colours of floor, 60 squares each way
+# Returns a material with a checkerboard of 60 x 60 squares.
 func _checkered() -> ShaderMaterial:
 	var material := ShaderMaterial.new()
 	material.shader = Shader.new()
@@ -83,7 +83,8 @@ void fragment()
 	return material
 
 
-# A lamp, about `light` times as bright as its colour: this renderer takes colours for sRGB, above 1 too.
+# Adds a lamp that is about `light` times as bright as its colour. The Compatibility renderer takes colours for sRGB,
+# even above 1, so the brighter colour is encoded as sRGB.
 func _lamp(color: String, light: float, radius: float, place: Vector3) -> void:
 	var sphere := SphereMesh.new()
 	sphere.radius = radius

@@ -1,21 +1,21 @@
--- For validation/run engines, not for your game: what the shaders read and wrote, into the folder given.
+-- For validation/run engines, not for your game: writes what the shaders read and wrote into a folder.
 --
--- color.f16, depth.f32, a .f16 for each shot and the canvases of the layered ones (.written) are raw rows, v = 0 first;
--- capture.json says what they are, and what the focus did.
+-- color.f16, depth.f32, a .f16 file for each shot, and the canvases of the shots with layered (.written) are raw rows,
+-- beginning with v = 0. capture.json describes them, and contains the distances of the autofocus.
 
 local ffi = require("ffi")
 local Scene = require("scene")
 
--- a size that 2, 4 and 8 do not divide
+-- A size that 2, 4 and 8 do not divide, because layered has canvases of 1 / 2, 1 / 4 and 1 / 8 of the size
 local WIDTH, HEIGHT = 285, 189
 local SHOTS = { { "layered", "hexagon", 6 }, { "layered", "octagon", 8 }, { "exact", "hexagon", 6 },
   { "exact", "octagon", 8 }, { "exact", "square", 4, "LOW" }, { "exact", "decagon", 10, "ULTRA" },
-  { "exact", "square", 4, "MEDIUM", 10 }, -- rotated, degrees clockwise
+  { "exact", "square", 4, "MEDIUM", 10 }, -- rotated by 10 degrees, clockwise
   { "layered", "hexagon", 6, "MEDIUM", nil, true } } -- with FOCUS
--- scale and limit of the blur in front of the focus distance, and behind it
+-- scales and limits of the blur in front of the focus distance, and behind it
 local FOCUS = { nearScale = 0.5, farScale = 0.75, nearMaxCoC = 0.02, farMaxCoC = 0.03 }
 
--- Text of a value as JSON; numbers are rounded to what a shader gets
+-- Returns a value as JSON. Numbers are rounded to float32, as the shaders get them.
 local function json(value)
   if type(value) == "number" then
     return ("%.17g"):format(tonumber(ffi.new("float", value)))
@@ -53,7 +53,8 @@ local function canvases(bokeh)
   return unpack(found)
 end
 
--- The focus of 12 frames of 20 ms, on its way to the nearest of the pawn before the white one, that, and the sky
+-- Moves the focus for 12 frames of 20 ms to the nearest of three points: the pawn in front of the white one, the white
+-- one, and the sky. Returns its inputs and the focus distances.
 local function pulled(bokeh)
   local found = { frame = 0.02, seconds = 0.2, points = {}, distances = {} }
   local depths = {}

@@ -1,4 +1,5 @@
--- LOVE with depth of field: love . (a click focuses, keys 0 to 3 choose the view), or love . picture.png
+-- The sample. "love ." opens a window: a click focuses, keys 1 to 3 show a debug view, and 0 shows the result.
+-- "love . picture.png" writes an image.
 
 local PolygonBokeh = require("polygon_bokeh")
 local Scene = require("scene")
@@ -6,7 +7,7 @@ local Scene = require("scene")
 local VIEWS = { ["1"] = "depth", ["2"] = "coc", ["3"] = "focus" }
 local scene, bokeh, tone, focus
 
--- Tone mapping and the encoding of the screen, last
+-- The last step: tone mapping, and the encoding for the screen
 local TONE_MAPPING = [[
 vec4 effect(vec4 color, Image image, vec2 uv, vec2 pixel)
 {
@@ -15,7 +16,8 @@ vec4 effect(vec4 color, Image image, vec2 uv, vec2 pixel)
 }
 ]]
 
--- A file of glsl/. Your game has it beside main.lua, and takes love.filesystem.read(name) instead.
+-- Returns the text of a file in glsl/. In your game, put the file next to main.lua, and call
+-- love.filesystem.read(name) instead.
 local function read(name)
   local file = assert(io.open(love.filesystem.getSource() .. "/../../glsl/" .. name))
   local text = file:read("*a")
@@ -23,7 +25,7 @@ local function read(name)
   return text
 end
 
--- Depth of field for a scene. `options` are those of PolygonBokeh.
+-- Creates depth of field for a scene. `options` are passed to PolygonBokeh.new.
 local function addBokeh(scene, options)
   local library = read("bokeh.glsl") .. read("bokeh_layers.glsl") .. read("bokeh_lens.glsl")
   local made = PolygonBokeh.new(library, scene.color:getWidth(), scene.color:getHeight(), options)
@@ -33,7 +35,7 @@ local function addBokeh(scene, options)
   return made
 end
 
--- Four pictures in one: the input, hexagon, near and far field, octagon with the focus elsewhere
+-- Writes four images into one file: the input, a hexagon, near and far field, and an octagon with another focus.
 local function writePicture(path)
   local width, height = scene.color:getDimensions()
   local sheet = love.graphics.newCanvas(2 * width, 2 * height, { dpiscale = 1 })
@@ -48,7 +50,7 @@ local function writePicture(path)
   show(bokeh:draw(scene.color, scene.depth), 1, 0)
   local octagon = addBokeh(scene, { sides = 8 })
   love.mousepressed(262, 125)
-  octagon:pullFocus(math.huge, focus, 0.2) -- where the pull ends
+  octagon:pullFocus(math.huge, focus, 0.2) -- the focus jumps to its target
   show(octagon:draw(scene.color, scene.depth), 1, 1)
   love.keypressed("3")
   show(bokeh:draw(scene.color, scene.depth), 0, 1)
@@ -58,7 +60,7 @@ local function writePicture(path)
   print(("%s: focus on the pawn %.3f m, picked %.3f m"):format(path, scene:depthOf(scene.subject), math.min(unpack(focus))))
 end
 
--- What the command line asks for, without a screen
+-- Does what the command line asks for, without showing anything, and quits.
 local function run(what, folder)
   if what == "--capture" then
     require("capture")(folder, addBokeh)
@@ -70,7 +72,7 @@ end
 
 function love.load(arguments)
   if arguments[1] then
-    -- in place of LOVE's screen for errors, which waits for a key
+    -- LOVE's own error screen would wait for a key
     love.errorhandler = function(message)
       print(debug.traceback(message))
       return function() return 1 end

@@ -1,12 +1,13 @@
--- What the sample shows: chessmen on a board, lamps before and behind them. Metres, y up, the camera looks along -z.
+-- The scene of the sample: pawns on a checkered ground, and lamps in front of and behind them. Lengths are in metres, y
+-- points up, and the camera looks along -z.
 
-local Scene = { near = 0.1, far = 60, fieldOfView = math.rad(27) } -- vertical: 50 mm on a sensor that is 24 mm high
+local Scene = { near = 0.1, far = 60, fieldOfView = math.rad(27) } -- vertical: 50 mm on a sensor of 24 mm
 Scene.__index = Scene
 
 local EYE = { 0, 1.5, 0 }
 local TILT = math.rad(-6) -- downwards
 Scene.pawns = { { -0.62, 0, -3.4 }, { -0.2, 0, -5 }, { 0.45, 0, -6.8 }, { 1.2, 0, -9 }, { -1.5, 0, -8 } }
-Scene.subject = { -0.2, 0.7, -5 } -- the collar of the second
+Scene.subject = { -0.2, 0.7, -5 } -- the collar of the second pawn
 
 local VERTEX = [[
 #pragma language glsl3
@@ -21,7 +22,7 @@ vec4 position(mat4 transform, vec4 vertex)
     return projection * view * vec4(world, 1.0);
 }
 ]]
--- The colours of LOVE's vertices end at 1: light comes by a uniform of its own.
+-- LOVE limits the colours of vertices to 1, so the brightness is a uniform.
 local PIXEL = [[
 #pragma language glsl3
 uniform vec3 radiance;
@@ -36,7 +37,7 @@ vec4 effect(vec4 color, Image image, vec2 uv, vec2 pixel)
 }
 ]]
 
--- A surface of revolution: points of its outline are { radius, height }, from the top on.
+-- Returns the mesh of a surface of revolution. The points of its outline are { radius, height }, from top to bottom.
 local function lathe(outline, steps)
   local vertices, indices = {}, {}
   for i, point in ipairs(outline) do
@@ -63,7 +64,7 @@ local function lathe(outline, steps)
   return mesh
 end
 
--- An arc of an outline around { 0, height }, between two angles from the top, degrees
+-- Adds an arc around { 0, height } to an outline, and returns the outline. The angles are in degrees, and 0 is the top.
 local function arc(outline, radius, height, from, to)
   for angle = from, to, 9 do
     outline[#outline + 1] = { radius * math.sin(math.rad(angle)), height + radius * math.cos(math.rad(angle)) }
@@ -82,7 +83,8 @@ local function pawn()
   return outline
 end
 
--- Colour is RGBA16F, linear and HDR; depth is a canvas that shaders can read: 0 near .. 1 far.
+-- Creates the scene with its two canvases. `color` has linear HDR colour in RGBA16F. `depth` goes from 0 at the near
+-- plane to 1 at the far plane, and shaders can read it.
 function Scene.new(width, height)
   local self = setmetatable({}, Scene)
   self.color = love.graphics.newCanvas(width, height, { format = "rgba16f", dpiscale = 1 })
@@ -100,7 +102,8 @@ function Scene:camera()
   local x, y, z = unpack(EYE)
   local near, far = self.near, self.far
   local view = { { 1, 0, 0, -x }, { 0, c, s, -y * c - z * s }, { 0, -s, c, y * s - z * c }, { 0, 0, 0, 1 } }
-  -- the second row is below 0: in a canvas of LOVE's the first row in memory is on top, in OpenGL at the bottom
+  -- the second row is negative, because the first row in memory is at the top of LOVE's canvases, but at the bottom in
+  -- OpenGL
   local projection = {
     { focal / self.aspect, 0, 0, 0 },
     { 0, -focal, 0, 0 },
@@ -110,7 +113,7 @@ function Scene:camera()
   return view, projection
 end
 
--- Depth of a place in the world along the view axis, metres
+-- Returns the depth of a point of the scene along the view axis, in metres.
 function Scene:depthOf(place)
   return (EYE[2] - place[2]) * math.sin(-TILT) + (EYE[3] - place[3]) * math.cos(TILT)
 end
@@ -150,7 +153,7 @@ end
 local WARM, COLD, RED, GREEN = { 1, 0.5, 0.2 }, { 0.3, 0.55, 1 }, { 1, 0.15, 0.1 }, { 0.2, 1, 0.45 }
 Scene.lamps = { { place = { 0.36, 1.55, -2.2 }, radius = 0.012, radiance = times(30, COLD) } }
 for i = 0, 17 do
-  -- the golden angle: spread evenly, and the same each time
+  -- 2.39996 is the golden angle, which spreads the lamps evenly, without random numbers
   local depth, angle, reach = 11 + i % 5, 2.39996 * i, math.sqrt((i + 1) / 18)
   local half = depth * math.tan(0.5 * Scene.fieldOfView)
   local x, y = 1.3 * half * reach * math.cos(angle), 1.6 + 0.55 * half * (1 + reach * math.sin(angle)) - 0.09 * depth

@@ -1,7 +1,7 @@
-"""For validation/run engines, not for your program: what the shaders read and wrote, into the folder given.
+"""For validation/run engines, not for your program: writes what the shaders read and wrote into a folder.
 
-color.f16, depth.f32, metres.f32, a .f16 for each shot and the targets of the layered ones (.written) are raw rows,
-v = 0 first; capture.json says what they are.
+color.f16, depth.f32, metres.f32, a .f16 file for each shot, and the targets of the shots with layered (.written) are
+raw rows, beginning with v = 0. capture.json describes them.
 """
 
 import json
@@ -18,20 +18,20 @@ from sample import frames, start
 
 SIDES = {"hexagon": 6, "octagon": 8}
 SHOTS = ("layered-hexagon", "layered-octagon", "exact-hexagon", "exact-octagon", "paper-hexagon", "paper-octagon")
-# once more, degrees clockwise
+# Shots to draw a second time, rotated by CLOCKWISE degrees
 ROTATED = ("exact-octagon-rotated", "paper-hexagon-rotated")
 CLOCKWISE = 10.0
-# and once with a weaker and a limited blur
+# A shot to draw a second time, with a weaker and limited blur
 FOCUSED = ("exact-hexagon-focus",)
 CONTROLS = {"BokehNearScale": 0.5, "BokehFarScale": 0.75, "BokehNearMaxCoC": 0.02, "BokehFarMaxCoC": 0.03}
-# under which the autofocus looks
+# Pixels of the autofocus
 POINTS = ((304, 82), (190, 128))
 
 
 def pixels(base, texture, kind):
-    """A texture's pixels as bytes, red first; `kind` is struct's: e float16, f float32.
+    """Return a texture's pixels as bytes, red first. `kind` is a format of struct: e for float16, f for float32.
 
-    Panda3D keeps blue first, and reads half floats back as floats. Raises ValueError for pixels of another kind.
+    Panda3D stores blue first, and reads half floats back as floats. Raises ValueError if values do not fit `kind`.
     """
     base.graphicsEngine.extractTextureData(texture, base.win.getGsg())
     found = array("f", texture.getRamImageAs("RGBA" if texture.getNumComponents() == 4 else "R").getData())
@@ -44,7 +44,7 @@ def pixels(base, texture, kind):
 
 
 def pull(effect, depths):
-    """The autofocus, frame by frame."""
+    """Run the autofocus frame by frame. Return its inputs and the focus distances."""
     found = {"frame": 1 / 30, "seconds": 0.2, "from": effect.focus_distance, "distances": []}
     found["points"] = [[(x + 0.5) / scene.SIZE[0], (y + 0.5) / scene.SIZE[1], depth] for (x, y), depth in depths.items()]
     for _ in range(12):
@@ -54,7 +54,7 @@ def pull(effect, depths):
 
 
 def main(folder):
-    """Every shot of the same frame, focused on the panda."""
+    """Draw all shots of the same frame, focused on the panda, and write them to the folder."""
     base = start()
     panda = scene.build(base)
     effect = DepthOfField(base.win, base.cam, f_stop=1.4, bokeh_scale=1.0)
@@ -80,7 +80,7 @@ def main(folder):
             targets = [target for _, _, written in effect.passes for target in written]
             (folder / shot["written"]).write_bytes(b"".join(pixels(base, target, "e") for target in targets))
         if method == "paper":
-            # what the preset MEDIUM stands for
+            # the reference has no presets for paper: give it the samples and the spacing of MEDIUM
             shot |= {"depth": "metres.f32", "stored": None, "samples": 9, "spacing": 1.5}
         shots.append(shot)
     effect.bokeh_scale = 0.0

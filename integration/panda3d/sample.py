@@ -1,4 +1,4 @@
-"""Panda3D with depth of field: python sample.py picture.png"""
+"""Write an image of Panda3D with depth of field: python sample.py picture.png"""
 
 import sys
 from math import inf
@@ -10,21 +10,21 @@ from panda3d.core import PNMImage, loadPrcFileData
 
 
 def start():
-    """Panda3D without a window."""
+    """Start Panda3D without a window."""
     loadPrcFileData("", f"win-size {scene.SIZE[0]} {scene.SIZE[1]}")
-    # not where there is a screen
+    # leave this line out if you want a window
     loadPrcFileData("", "load-display p3headlessgl\nwindow-type offscreen\naudio-library-name null\nmodel-cache-dir")
     return ShowBase()
 
 
 def frames(base, count=2):
-    """Draw so many."""
+    """Draw so many frames."""
     for _ in range(count):
         base.taskMgr.step()
 
 
 def picture(base, effect, name="result"):
-    """What the window shows of a texture."""
+    """Return an image of the window while it shows a texture of the effect."""
     effect.quad.setShaderInput("image", effect.textures[name])
     frames(base)
     shot = PNMImage()
@@ -33,7 +33,7 @@ def picture(base, effect, name="result"):
 
 
 def main(path):
-    """Four pictures in one: the input, a hexagon, near and far field, an octagon with the focus elsewhere."""
+    """Write four images into one file: the input, a hexagon, near and far field, and an octagon with another focus."""
     base = start()
     panda = scene.build(base)
 
@@ -47,7 +47,7 @@ def main(path):
     shots.append(picture(base, effect))
 
     effect.change(sides=8)
-    # several points, and no pull: where it ends
+    # the nearest of two points; after an infinite time, the focus has reached it
     effect.pull_focus([effect.depth_at(304, 82), effect.depth_at(5, 250)], inf)
     shots.append(picture(base, effect))
 

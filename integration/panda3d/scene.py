@@ -1,12 +1,12 @@
-"""What the sample shows: the panda and a smiley, lights before and behind them.
+"""The scene of the sample: the panda and a smiley, with lights in front of and behind them.
 
-Metres, y away from the camera, z up.
+Lengths are in metres, y points away from the camera, and z points up.
 """
 
 from panda3d.core import CardMaker, PNMImage, SamplerState, Shader, Texture
 
 SIZE = (384, 256)
-# the lens of the depth of field is the lens of the picture: 36 x 24 mm film, 85 mm
+# The camera has the lens that the depth of field imitates: 85 mm on film of 36 x 24 mm, here in metres
 FILM, FOCAL_LENGTH = (0.036, 0.024), 0.085
 NEAR, FAR = 0.1, 50.0
 
@@ -50,7 +50,7 @@ void main()
 
 
 def build(base):
-    """Fill base.render and aim base.camera. Returns the panda."""
+    """Add the scene to base.render, and aim base.camera. Return the panda."""
     base.camLens.setFilmSize(*FILM)
     base.camLens.setFocalLength(FOCAL_LENGTH)
     base.camLens.setNearFar(NEAR, FAR)
@@ -79,13 +79,13 @@ def build(base):
 
 
 def linear_textures(model):
-    """Colours of pictures are stored with gamma: sRGB textures are linear when a shader reads them."""
+    """Give the textures of a model an sRGB format, so that shaders read linear colour from them."""
     for texture in model.findAllTextures():
         texture.setFormat(Texture.F_srgb)
 
 
 def card(base, name, color, cells, pos, hpr):
-    """A square of 8 m with a checker pattern."""
+    """Add a square of 8 x 8 m with a checkered texture."""
     image = PNMImage(2, 2)
     for x, y in ((0, 0), (1, 1)):
         image.setXel(x, y, *color)
@@ -103,7 +103,7 @@ def card(base, name, color, cells, pos, hpr):
 
 
 def lights():
-    """Place, radius and colour of what glows."""
+    """Yield position, radius and colour of each light."""
     warm, cold, red, green = (1.0, 0.55, 0.2), (0.35, 0.6, 1.0), (1.0, 0.12, 0.06), (0.2, 1.0, 0.4)
     near = [((-0.13, 0.9, 0.2), 0.006, cold, 30.0)]
     beside = [((0.12, 1.5, 0.03), 0.03, green, 12.0)]

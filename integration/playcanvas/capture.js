@@ -1,4 +1,4 @@
-// For the validation suite only: every method and shape, and what went into it, as raw pixels.
+// For the validation suite only: draws every method and polygon, and returns their inputs and results as raw pixels.
 
 import { BoundingBox, Entity, FILLMODE_NONE, FloatPacking, GSplatComponentSystem } from 'playcanvas';
 import { GSplatContainer, GSplatFormat } from 'playcanvas';
@@ -8,16 +8,16 @@ import { addBokeh, app, box, camera, depthsUnder, frame as first, subject } from
 
 const WIDTH = 320;
 const HEIGHT = 240;
-// of the shots: small, since the reference runs every pass of each
+// The size of the shots is small, because the reference computes every pass of each shot.
 const SIZE = [160, 120];
-// one that 2, 4 and 8 do not divide, where there are smaller targets
+// For layered, a size that 2, 4 and 8 do not divide, because its targets have 1 / 2, 1 / 4 and 1 / 8 of the size
 const ODD_SIZE = [157, 117];
 const SHAPES = {
   layered: { hexagon: 6, square: 4, octagon: 8, decagon: 10 }, // the default first
   exact: { square: 4, hexagon: 6, octagon: 8, decagon: 10 },
   paper: { hexagon: 6, octagon: 8 },
 };
-// Once more as the sample's user rotates and squeezes it, degrees clockwise
+// Polygons to draw a second time, rotated by CLOCKWISE degrees and squeezed
 const ROTATED = { exact: 'square', paper: 'hexagon' };
 const CLOCKWISE = 10;
 const SQUEEZE = 0.75;
@@ -26,7 +26,7 @@ const keysOf = (rotated) => (rotated ? { clockwise: CLOCKWISE, squeeze: SQUEEZE 
 
 const base64 = (array) => new Uint8Array(array.buffer, array.byteOffset, array.byteLength).toBase64();
 
-// One frame of a new camera frame, which is destroyed before the next one; change(frame) is called before it is drawn
+// Draws a frame with a new PolygonBokehFrame, which the next call destroys. change(frame) is called before it is drawn.
 let last = first;
 async function draw(options, [width, height], change = () => {}) {
   last.destroy();
@@ -40,7 +40,7 @@ async function draw(options, [width, height], change = () => {}) {
   return last;
 }
 
-// After the next frame
+// Resolves after the next frame.
 function drawn() {
   app.renderNextFrame = true;
   return new Promise((done) => app.once('frameend', done));
@@ -48,26 +48,26 @@ function drawn() {
 
 const pixels = (texture) => texture.read(0, 0, texture.width, texture.height, { immediate: true });
 
-// A frame's pixels, first row in memory first
+// Returns the pixels of a frame, beginning with the first row in memory.
 async function read({ renderPassCamera: { bokeh } }) {
   const { color, depth, result } = bokeh.textures;
   return { color: await pixels(color), depth: await pixels(depth), result: await pixels(result) };
 }
 
-// Its depth in metres: the scene pass writes 1 / metres
+// Returns the depth of a frame in metres. (The scene pass writes 1 / metres.)
 async function metresOf(frame) {
   const { depth } = await read(frame);
   return frame.renderPassCamera.sceneDepthTexture ? depth.map((value) => 1 / value) : depth;
 }
 
-// What every pass wrote, in the order of docs/reference/passes.md
+// Returns the pixels that the passes wrote, in the order of docs/reference/passes.md.
 async function written({ renderPassCamera: { bokeh } }) {
   const found = [];
   for (const { _colorBuffers } of bokeh.targets) for (const texture of _colorBuffers) found.push(await pixels(texture));
   return new Uint8Array(await new Blob(found).arrayBuffer());
 }
 
-// { data: what capture.json holds, files: name -> base64 }
+// Returns { data: the content of capture.json, files: name -> base64 }.
 export async function capture() {
   const { gl, wgpu, canvas } = app.graphicsDevice;
   const device = gl ? gl.getParameter(names(gl).UNMASKED_RENDERER_WEBGL) : adapter(wgpu);
@@ -101,7 +101,8 @@ export async function capture() {
   return { data, files };
 }
 
-// The autofocus, frame by frame, on the floor and the wall
+// Runs the autofocus frame by frame, on a point of the floor and a point of the wall. Returns its inputs and the focus
+// distances.
 async function pulled(bottomUp) {
   const points = [[0.951, 0.656], [0.595, 0.464]];
   const depths = await depthsUnder(points);
@@ -117,11 +118,11 @@ const names = (gl) => gl.getExtension('WEBGL_debug_renderer_info');
 const adapter = ({ adapterInfo: { vendor, architecture, description } }) =>
   [vendor, architecture, description].filter(Boolean).join(' ');
 
-// What the shaders got, which is float32.
+// Returns the settings as the shaders got them, in float32.
 function settings(method, { uniforms, renderPassCamera: { sceneDepthTexture } }) {
   const value = (name) => Math.fround(uniforms[name]);
   return {
-    // paper's lines with the preset's samples; the others have it themselves
+    // the reference has no presets for paper: give it the samples and the spacing of MEDIUM
     ...(method === 'paper' && { samples: 9, spacing: 1.5 }),
     ...(sceneDepthTexture && { stored: { kind: 3, near: 1, far: 0 } }),
     camera: {
@@ -134,7 +135,8 @@ function settings(method, { uniforms, renderPassCamera: { sceneDepthTexture } })
   };
 }
 
-// A bokehScale of 0: passes that draw; whether what comes next reads the scene; and whether the blur comes back
+// For a bokehScale of 0, returns how many passes are drawn, whether later passes read the scene, and whether the blur
+// comes back afterwards.
 export async function unblurred() {
   const frame = await draw({}, ODD_SIZE, (made) => made.setLens(2.8, 0));
   const { bokeh, composePass } = frame.renderPassCamera;
@@ -146,8 +148,8 @@ export async function unblurred() {
   return { ...found, comesBack };
 }
 
-// Depth in metres as the passes read it, and where a ray meets the floor or the wall, in the leftmost columns, which
-// show nothing else: [{ name, drawn: [...], met: [...] }]
+// Compares depths in the leftmost columns, which show only the floor and the wall. Returns [{ name, drawn: the depths
+// in metres as the passes read them, met: the depths where rays hit the floor or the wall }].
 export async function depths() {
   const found = [];
   for (const [name, projection] of Object.entries({ PROJECTION_PERSPECTIVE, PROJECTION_ORTHOGRAPHIC })) {
@@ -174,7 +176,8 @@ function meets(x, y) {
   return -camera.viewMatrix.transformPoint(there).z;
 }
 
-// The debug views: { focus, maxCoC, depth, coc: rgba with the CoC in a, views: { 1: rgba, 2: rgba, 3: rgba } }
+// Draws the debug views. Returns { focus, maxCoC, depth, coc: rgba with the CoC in a, views: { 1: rgba, 2: rgba,
+// 3: rgba } }.
 export async function views() {
   const found = { views: {} };
   for (const mode of [0, 1, 2, 3]) {
@@ -188,7 +191,7 @@ export async function views() {
   return found;
 }
 
-// Beside other effects of the camera frame: { effect: { size, result: rgba, blooms: whether bloom reads the result } }
+// Other effects of the camera frame, which effects() turns on one at a time
 const EFFECTS = {
   none: () => {},
   bloom: ({ bloom }) => (bloom.intensity = 0.02),
@@ -197,11 +200,13 @@ const EFFECTS = {
   samples: ({ rendering }) => (rendering.samples = 4),
   scale: ({ rendering }) => (rendering.renderTargetScale = 0.5),
 };
+// Draws the bokeh together with each effect. Returns { effect: { size, result: rgba, blooms: whether bloom reads the
+// result, prepass: whether there is a prepass } }.
 export async function effects() {
   const found = {};
   for (const [effect, change] of Object.entries(EFFECTS)) {
     const frame = await draw({}, [WIDTH, HEIGHT], change);
-    for (let i = 0; i < 8; i++) await drawn(); // TAA takes several
+    for (let i = 0; i < 8; i++) await drawn(); // TAA needs several frames
     const { bokeh, scenePassHalf } = frame.renderPassCamera;
     const { result } = bokeh.textures;
     const blooms = scenePassHalf?.sourceTexture === result;
@@ -212,9 +217,9 @@ export async function effects() {
   return found;
 }
 
-const SPLATS = [32, 24, 2.5]; // columns, rows, metres before the camera
+const SPLATS = [32, 24, 2.5]; // columns, rows, distance from the camera in metres
 
-// A wall of Gaussian splats before the camera
+// Adds a wall of Gaussian splats in front of the camera, and returns its entity.
 function addSplats() {
   const [columns, rows, distance] = SPLATS;
   const count = columns * rows;
@@ -239,13 +244,13 @@ function addSplats() {
   return entity;
 }
 
-// Splats, which a prepass does not draw: metres in the middle of the picture without them, with them, and with them where
-// they write depth; metres that they are away
+// Tests splats, which a prepass does not draw. Returns the depth in metres in the middle of the image (found) without
+// them, with them, and with them while they write depth; and the distance of the splats.
 export async function splats() {
   const found = [];
   const look = async () => {
     const frame = await draw({}, [WIDTH, HEIGHT]);
-    // they are sorted beside the frames
+    // PlayCanvas sorts the splats while it draws frames, so draw some
     for (let i = 0; i < 20; i++) {
       await new Promise((done) => setTimeout(done, 20));
       await drawn();
@@ -263,8 +268,8 @@ export async function splats() {
   return { found, distance: SPLATS[2] };
 }
 
-// What the sample's own keys and clicks do: the focus distance before, after a drag that ends on the box, and after a
-// click on it; the debug mode after a key.
+// Tests the sample's own keys and clicks. Returns the focus distance before, after a drag that ends on the box, and
+// after a click on the box; the depth of the box; and the debug mode after a key was pressed.
 export async function interaction() {
   await drawn();
   const { x, y } = camera.worldToScreen(box.getPosition());
@@ -281,13 +286,13 @@ export async function interaction() {
   pointer('click', 0);
   dispatchEvent(new KeyboardEvent('keydown', { key: '2' }));
   while (first.uniforms.focusDistance === before) await drawn();
-  // until the pull is over
+  // until the focus stops moving
   for (let then; then !== first.uniforms.focusDistance; await drawn()) then = first.uniforms.focusDistance;
   const depth = -camera.viewMatrix.transformPoint(new Vec3().copy(box.getPosition())).z;
   return { before, dragged, after: first.uniforms.focusDistance, box: depth, mode: first.debugMode };
 }
 
-// What a frame of these options and uniforms shows, or why there is none
+// Returns the pixels of a frame with these options and uniforms, or the error message.
 export async function shown([, options, uniforms]) {
   try {
     const { result } = await read(await draw(options, [96, 72], (frame) => Object.assign(frame.uniforms, uniforms)));

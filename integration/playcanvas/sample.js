@@ -1,9 +1,9 @@
-// The sample, for WebGL 2 and WebGPU: the canvas of the page says which.
+// The sample for WebGL 2 and WebGPU. The attribute data-device of the page's canvas selects one of them.
 
 import { AppBase, AppOptions, CameraComponentSystem, createGraphicsDevice } from 'playcanvas';
 import { LightComponentSystem, Picker, RenderComponentSystem, TONEMAP_ACES } from 'playcanvas';
 import { PolygonBokehFrame } from 'polygonal-bokeh/playcanvas';
-import { makeScene } from './scene.js'; // yours
+import { makeScene } from './scene.js'; // replace it with your own scene
 
 const canvas = document.querySelector('canvas');
 const options = new AppOptions();
@@ -11,10 +11,10 @@ options.graphicsDevice = await createGraphicsDevice(canvas, { deviceTypes: [canv
 options.componentSystems = [CameraComponentSystem, LightComponentSystem, RenderComponentSystem];
 export const app = new AppBase(canvas);
 app.init(options);
-app.autoRender = false; // nothing moves: a frame is drawn when it is asked for
+app.autoRender = false; // nothing moves, so the app only draws frames on request
 app.start();
 
-// The camera component with depth of field. `options` are those of PolygonBokehFrame.
+// Adds depth of field to a camera component. `options` are passed to PolygonBokehFrame.
 export function addBokeh(app, camera, options) {
   const frame = new PolygonBokehFrame(app, camera, options);
   frame.setLens(1.4, 20); // f/1.4, with a blur 20 times as wide as a real lens's
@@ -28,8 +28,10 @@ export const frame = addBokeh(app, camera);
 frame.focusOn(subject.getPosition());
 app.renderNextFrame = true;
 
-// Depths under points of the view, from the upper left, 0 to 1; Infinity where nothing is
 const picker = new Picker(app, canvas.width, canvas.height, true);
+
+// Returns the depths under points of the view, and Infinity where there is no object. The points go from (0, 0) at the
+// upper left to (1, 1) at the lower right.
 export async function depthsUnder(points) {
   const depths = [];
   picker.prepare(camera, app.scene);
@@ -40,7 +42,8 @@ export async function depthsUnder(points) {
   return depths;
 }
 
-// A click focuses on what is there, on the nearest of some points around it, within five time constants; a drag does not.
+// A click focuses on the nearest of the clicked point and four points around it; a drag does not. The focus reaches it
+// after 1 s, five time constants.
 let [aims, left, pressed] = [[], 0, null];
 canvas.addEventListener('pointerdown', ({ clientX, clientY }) => (pressed = [clientX, clientY]));
 canvas.addEventListener('click', async ({ offsetX, offsetY, clientX, clientY }) => {
@@ -56,7 +59,7 @@ app.on('update', (dt) => {
   app.renderNextFrame = true;
 });
 
-// Keys 0 to 3 choose the debug view.
+// Keys 1 to 3 show a debug view, and 0 shows the result.
 addEventListener('keydown', ({ key }) => {
   if ('0123'.includes(key)) frame.debugMode = Number(key);
   app.renderNextFrame = true;

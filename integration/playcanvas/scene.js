@@ -1,4 +1,4 @@
-// The scene of the sample: lamps before and behind the focus, a checkered floor, and a ring that is in focus.
+// The scene of the sample: lamps in front of and behind the focus, a checkered floor, and a ring in focus.
 
 import { Color, Entity, FILTER_NEAREST, StandardMaterial, Texture } from 'playcanvas';
 
@@ -6,7 +6,7 @@ const COLORS = ['#ff7a30', '#ffe0a0', '#60a0ff', '#ff3050', '#70ffb0'];
 
 const color = (text, brightness = 1) => new Color().fromString(text).mulScalar(brightness);
 
-// A primitive of PlayCanvas's, one metre large before `scale`
+// Adds a primitive of PlayCanvas, which is one metre large until `scale` changes it.
 function add(app, type, material, [x, y, z], scale) {
   const entity = new Entity(type);
   entity.addComponent('render', { type, material });
@@ -23,7 +23,7 @@ function painted(text) {
   return material;
 }
 
-// A lamp: unlit, `light` times as bright as its colour
+// Adds a lamp: an unlit sphere, `light` times as bright as its colour.
 function lamp(app, text, light, radius, x, y, z) {
   const material = new StandardMaterial();
   material.useLighting = false;
@@ -45,7 +45,7 @@ function checkered(app) {
   return material;
 }
 
-// { camera, subject, box }: the subject is what the sample focuses on
+// Creates the scene. Returns { camera, subject, box }; the sample focuses on the subject.
 export function makeScene(app) {
   app.scene.ambientLight = color('#607090');
   const sun = new Entity('sun');
@@ -63,7 +63,7 @@ export function makeScene(app) {
   lamp(app, '#ffa050', 12, 0.03, 0.75, 1.85, -2.4);
   lamp(app, '#70a0ff', 12, 0.03, -0.8, 1.25, -2.4);
   for (let i = 0; i < 24; i++) {
-    const angle = 2.39996 * i; // the golden angle: spread evenly, and the same each time
+    const angle = 2.39996 * i; // the golden angle spreads the lamps evenly, without random numbers
     const reach = Math.sqrt((i + 1) / 24);
     const x = 6.5 * reach * Math.cos(angle);
     const y = 3.8 + 2.4 * reach * Math.sin(angle);

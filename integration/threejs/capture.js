@@ -1,33 +1,33 @@
-// For the validation suite only: every method and shape, and what went into it, as raw pixels.
+// For the validation suite only: draws every method and polygon, and returns their inputs and results as raw pixels.
 
 import { OrthographicCamera, Raycaster, REVISION, Vector2 } from 'three';
 
 const WIDTH = 320;
 const HEIGHT = 240;
-// of the shots: small, since the reference runs every pass of each
+// The size of the shots is small, because the reference computes every pass of each shot.
 const SIZE = [160, 120];
-// one that 2, 4 and 8 do not divide, where there are smaller targets
+// For layered, a size that 2, 4 and 8 do not divide, because its targets have 1 / 2, 1 / 4 and 1 / 8 of the size
 const ODD_SIZE = [157, 117];
 const SHAPES = {
   layered: { hexagon: 6, square: 4, octagon: 8, decagon: 10 }, // the default first
   exact: { square: 4, hexagon: 6, octagon: 8, decagon: 10 },
   paper: { hexagon: 6, octagon: 8 },
 };
-// Once more as the sample's user rotates and squeezes it, degrees clockwise
+// Polygons to draw a second time, rotated by CLOCKWISE degrees and squeezed
 const ROTATED = { exact: 'square', paper: 'hexagon' };
 const CLOCKWISE = 10;
 const SQUEEZE = 0.75;
 const uniformsOf = (rotated) => (rotated ? { rotation: (CLOCKWISE * Math.PI) / 180, squeeze: SQUEEZE } : {});
 const keysOf = (rotated) => (rotated ? { clockwise: CLOCKWISE, squeeze: SQUEEZE } : {});
 
-// How each sample is asked.
-//   draw(options, size, changes)  one frame; changes: another camera, renderer, debug mode or chain, and uniforms.
-//                                 { bokeh, ... }
-//   read(frame)                   its pixels, first row in memory first: { color, depth, result }; depth is what the
-//                                 engine's buffer holds, of paper metres
-//   readPasses(frame)             what every pass wrote, in the order of docs/reference/passes.md
-//   picture(frame)                what a canvas shows, a PNG
-//   other(options)                another renderer, with another kind of depth buffer
+// The same functions for each sample:
+//   draw(options, size, changes)  draws a frame and returns it, { bokeh, ... }; `changes` are another camera, renderer,
+//                                 debug mode (mode) or chain, and uniforms
+//   read(frame)                   returns its pixels, beginning with the first row in memory: { color, depth, result };
+//                                 depth is as in the engine's buffer, with paper in metres
+//   readPasses(frame)             returns the pixels that the passes wrote, in the order of docs/reference/passes.md
+//   picture(frame)                resolves with the image on the canvas, as PNG
+//   other(options)                returns a renderer with another kind of depth buffer
 const samples = {
   async webgl() {
     const { FloatType, RedFormat, ShaderMaterial, WebGLRenderer, WebGLRenderTarget } = await import('three');
@@ -41,7 +41,7 @@ const samples = {
       renderer.readRenderTargetPixels(target, 0, 0, width, height, into, undefined, index);
       return into;
     };
-    // a depth buffer cannot be read back
+    // a depth buffer cannot be read back, so copy it
     const COPY = 'uniform sampler2D depth; void main() { gl_FragColor = texelFetch(depth, ivec2(gl_FragCoord), 0); }';
     const copied = (renderer, depth) => {
       const { width, height } = depth.image;
@@ -66,7 +66,8 @@ const samples = {
         return { composer, bokeh, renderer };
       },
       read({ composer, bokeh, renderer }) {
-        // the buffers were swapped twice: after the bokeh and after the output
+        // the buffers were swapped after the bokeh and after the output pass, so the input of the bokeh is in
+        // readBuffer
         const color = pixels(renderer, composer.readBuffer, Uint16Array, 4);
         const result = pixels(renderer, composer.writeBuffer, Uint16Array, 4);
         const { metres, depth } = bokeh.textures;
@@ -141,7 +142,7 @@ const samples = {
   },
 };
 
-// All that the passes wrote, one after the other
+// Returns the pixels that the passes wrote, one target after the other.
 async function written({ passes }, pixels) {
   const found = [];
   for (const { target } of passes) {
@@ -152,7 +153,7 @@ async function written({ passes }, pixels) {
 
 const base64 = (array) => new Uint8Array(array.buffer, array.byteOffset, array.byteLength).toBase64();
 
-// { data: what capture.json holds, files: name -> base64 } of 'webgl' or 'webgpu'
+// Returns { data: the content of capture.json, files: name -> base64 } for 'webgl' or 'webgpu'.
 export async function capture(kind) {
   const sample = await samples[kind]();
   const { engine, device } = sample;
@@ -187,7 +188,8 @@ export async function capture(kind) {
   return { data, files };
 }
 
-// The autofocus, frame by frame, on the floor and the wall
+// Runs the autofocus frame by frame, on a point of the floor and a point of the wall. Returns its inputs and the focus
+// distances.
 function pulled(bokeh, { scene, camera }, bottomUp) {
   const { focusDistance } = bokeh.uniforms;
   const points = [[0.9, -0.31], [0.19, 0.07]];
@@ -201,12 +203,12 @@ function pulled(bokeh, { scene, camera }, bottomUp) {
   return { frame, seconds, from, points: points.map(rows), distances };
 }
 
-// What the shaders got, which is float32.
+// Returns the settings as the shaders got them, in float32.
 function settings(method, uniforms) {
   const value = (name) => Math.fround(uniforms[name].value);
   const stored = { kind: value('depthKind'), near: value('nearPlane'), far: value('farPlane') };
   return {
-    // paper's lines with the preset's samples; the others have it themselves
+    // the reference has no presets for paper: give it the samples and the spacing of MEDIUM
     ...(method === 'paper' ? { samples: 9, spacing: 1.5 } : { stored }),
     camera: {
       aperture_diameter: value('apertureDiameter'),
@@ -220,8 +222,8 @@ function settings(method, uniforms) {
 
 const BUFFERS = { reversed: { reversedDepthBuffer: true }, logarithmic: { logarithmicDepthBuffer: true } };
 
-// Depth in metres as the passes of paper read it, and as a ray finds it, at some pixels, by every kind of camera and
-// buffer but the one that is refused: [{ name, drawn: [...], met: [...] }]
+// Compares depths at some pixels, for every kind of camera and depth buffer except the one that is refused. Returns
+// [{ name, drawn: the depths in metres as the passes of paper read them, met: the depths where rays hit an object }].
 export async function depths(kind) {
   const sample = await samples[kind]();
   const orthographic = new OrthographicCamera(-3.2, 3.2, 2.4, -2.4, 0.1, 100);
@@ -258,15 +260,16 @@ function probed({ scene }, camera, depth, bottomUp) {
   return { drawn, met };
 }
 
-// Draw with a logarithmic buffer and a perspective camera.
+// Draws with a logarithmic depth buffer and a perspective camera.
 export async function logarithmic(kind) {
   const sample = await samples[kind]();
   const renderer = await sample.other(BUFFERS.logarithmic);
-  // a camera of its own: three.js notes in it what the renderer's depth buffer is
+  // use a copy of the camera, because three.js stores the kind of the renderer's depth buffer in it
   sample.draw({}, [WIDTH, HEIGHT], { camera: sample.camera.clone(), renderer });
 }
 
-// The debug views: { focus, maxCoC, depth, coc: rgba with the CoC in a, views: { 1: rgba, 2: rgba, 3: rgba } }
+// Draws the debug views. Returns { focus, maxCoC, depth, coc: rgba with the CoC in a, views: { 1: rgba, 2: rgba,
+// 3: rgba } }.
 export async function views(kind) {
   const sample = await samples[kind]();
   const { depth } = await sample.read(sample.draw({ method: 'paper' }, [WIDTH, HEIGHT]));
@@ -282,8 +285,8 @@ export async function views(kind) {
   return found;
 }
 
-// What the sample's own keys and clicks do: the focus distance before, after a drag that ends on the box, and after a
-// click on it through something hidden; the debug mode after a key.
+// Tests the sample's own keys and clicks. Returns the focus distance before, after a drag that ends on the box, and
+// after a click on the box through a hidden object; the depth of the box; and the debug mode after a key was pressed.
 export async function interaction(kind) {
   const { renderer, camera, scene, bokeh, focus } = await samples[kind]();
   const box = scene.children.find((child) => child.geometry?.type === 'BoxGeometry');

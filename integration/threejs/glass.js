@@ -1,5 +1,6 @@
-// A ball of glass before the subject, and sparks, each with a blur of its own: the depth that the bokeh reads is weighted by
-// opacity. Without that, all that is seen through the ball would be as blurred as the ball, and the sparks as the wall.
+// A ball of glass in front of the subject, and sparks, each with its own blur: the bokeh reads depth weighted by
+// opacity. With the usual depth, everything seen through the ball would be as blurred as the ball, and the sparks would
+// be as blurred as the wall.
 
 import { AdditiveBlending, BufferGeometry, Float32BufferAttribute, HalfFloatType, Mesh, MeshPhysicalMaterial } from 'three';
 import { Points, PointsMaterial, SphereGeometry, WebGLRenderTarget } from 'three';
@@ -7,7 +8,7 @@ import { EffectComposer } from 'three/addons/postprocessing/EffectComposer.js';
 import { OutputPass } from 'three/addons/postprocessing/OutputPass.js';
 import { RenderPass } from 'three/addons/postprocessing/RenderPass.js';
 import { PolygonBokehPass, depthWithOpacity } from 'polygonal-bokeh/three';
-import { camera, renderer, scene, subject } from './webgl.js'; // yours
+import { camera, renderer, scene, subject } from './webgl.js'; // replace it with your own scene and renderer
 
 const ball = new Mesh(
   new SphereGeometry(0.28, 48, 32),
@@ -29,4 +30,4 @@ const bokeh = new PolygonBokehPass(camera, { depthTexture: depthWithOpacity(scen
 bokeh.setLens(1.4, 20);
 bokeh.focusOn(subject);
 for (const pass of [scenePass, bokeh, new OutputPass()]) composer.addPass(pass);
-composer.render(); // in each frame
+composer.render(); // call it in each frame

@@ -16,6 +16,6 @@ bokeh.focusOn(subject);
 composer.addPass(new RenderPass(scene, camera));
 composer.addPass(bokeh);
 const tone = new ToneMappingEffect({ mode: ToneMappingMode.ACES_FILMIC });
-composer.addPass(new EffectPass(camera, tone)); // and sRGB, last
+composer.addPass(new EffectPass(camera, tone)); // the last pass also encodes the image as sRGB
 composer.setSize(640, 480);
 composer.render();

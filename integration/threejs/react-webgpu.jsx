@@ -27,6 +27,6 @@ element.style = 'width: 640px; height: 480px';
 document.body.append(element);
 const root = createRoot(element);
 
-// Options of PolygonBokeh may change as any property does.
+// The options of PolygonBokeh may change, like any property.
 export const show = (options) => root.render(<Sample {...options} />);
 show({});

@@ -1,4 +1,4 @@
-// The sample for react-three-fiber.
+// The sample for react-three-fiber with WebGLRenderer.
 
 import { Canvas } from '@react-three/fiber';
 import { EffectComposer, ToneMapping } from '@react-three/postprocessing';
@@ -25,6 +25,6 @@ element.style = 'width: 640px; height: 480px';
 document.body.append(element);
 const root = createRoot(element);
 
-// Options of PolygonBokeh may change as any property does.
+// The options of PolygonBokeh may change, like any property.
 export const show = (options) => root.render(<Sample {...options} />);
 show({});

@@ -1,4 +1,4 @@
-// The scene of both samples: lamps before and behind the focus, a checkered floor, and a knot that is in focus.
+// The scene of the samples: lamps in front of and behind the focus, a checkered floor, and a knot in focus.
 
 import {
   BoxGeometry,
@@ -20,7 +20,7 @@ import {
 
 const COLORS = [0xff7a30, 0xffe0a0, 0x60a0ff, 0xff3050, 0x70ffb0];
 
-// A lamp: unlit, as bright as `light` times white
+// Adds a lamp: an unlit sphere, `light` times as bright as its colour.
 function lamp(scene, color, light, radius, x, y, z) {
   const material = new MeshBasicMaterial({ color: new Color(color).multiplyScalar(light) });
   const mesh = new Mesh(new SphereGeometry(radius, 24, 16), material);
@@ -39,7 +39,7 @@ function checkered() {
   return texture;
 }
 
-// { scene, camera, subject }: the subject is what the samples focus on
+// Creates the scene. Returns { scene, camera, subject }; the samples focus on the subject.
 export function makeScene(aspect) {
   const scene = new Scene();
   scene.background = new Color(0x05070c);
@@ -62,7 +62,7 @@ export function makeScene(aspect) {
   lamp(scene, 0xffa050, 12, 0.03, 0.75, 1.85, -2.4);
   lamp(scene, 0x70a0ff, 12, 0.03, -0.8, 1.25, -2.4);
   for (let i = 0; i < 24; i++) {
-    const angle = 2.39996 * i; // the golden angle: spread evenly, and the same each time
+    const angle = 2.39996 * i; // the golden angle spreads the lamps evenly, without random numbers
     const reach = Math.sqrt((i + 1) / 24);
     const depth = 15.8 - (i % 4);
     const x = 6.5 * reach * Math.cos(angle);

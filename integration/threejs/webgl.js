@@ -6,11 +6,11 @@ import { EffectComposer } from 'three/addons/postprocessing/EffectComposer.js';
 import { OutputPass } from 'three/addons/postprocessing/OutputPass.js';
 import { RenderPass } from 'three/addons/postprocessing/RenderPass.js';
 import { PolygonBokehPass } from 'polygonal-bokeh/three';
-import { makeScene } from './scene.js'; // yours
+import { makeScene } from './scene.js'; // replace it with your own scene
 
 const [WIDTH, HEIGHT] = [640, 480];
 
-// The scene with depth of field. `options` are those of PolygonBokehPass.
+// Creates a composer with depth of field for a scene. `options` are passed to PolygonBokehPass.
 export function addBokeh(renderer, scene, camera, options) {
   const depthTexture = new DepthTexture(1, 1, FloatType);
   const target = new WebGLRenderTarget(1, 1, { type: HalfFloatType, depthTexture });
@@ -19,7 +19,7 @@ export function addBokeh(renderer, scene, camera, options) {
   bokeh.setLens(1.4, 20); // f/1.4, with a blur 20 times as wide as a real lens's
   composer.addPass(new RenderPass(scene, camera));
   composer.addPass(bokeh);
-  composer.addPass(new OutputPass()); // tone mapping and sRGB, last
+  composer.addPass(new OutputPass()); // tone mapping and sRGB encoding come last
   return { composer, bokeh };
 }
 
@@ -33,12 +33,12 @@ export const { composer, bokeh } = addBokeh(renderer, scene, camera);
 composer.setSize(WIDTH, HEIGHT); // also gives the targets of 1 x 1 pixel their size
 
 bokeh.focusOn(subject); // call it again when the camera or the subject moves
-composer.render(); // in each frame
+composer.render(); // call it in each frame
 
-// A click focuses on what is there. With a render loop of your own, leave the last argument out.
+// A click focuses on the object that it hits. If you have a render loop, leave the last argument out.
 export const focus = bokeh.focusByClicks(renderer.domElement, scene, () => composer.render());
 
-// Keys 0 to 3 choose the debug view.
+// Keys 1 to 3 show a debug view, and 0 shows the result.
 addEventListener('keydown', ({ key }) => {
   if ('0123'.includes(key)) bokeh.uniforms.debugMode.value = Number(key);
   composer.render();

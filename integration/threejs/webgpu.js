@@ -9,15 +9,16 @@ import { makeScene } from './scene.js';
 const WIDTH = 640;
 const HEIGHT = 480;
 
-// { pipeline, bokeh }: the scene with depth of field. `options` are those of PolygonBokehNode.
+// Creates a pipeline with depth of field for a scene. `options` are passed to PolygonBokehNode. Returns
+// { pipeline, bokeh }.
 export function addBokeh(renderer, scene, camera, options) {
   const bokeh = new PolygonBokehNode(pass(scene, camera), options);
   bokeh.setLens(1.4, 20); // f/1.4, with a blur 20 times as wide as a real lens's
-  const pipeline = new RenderPipeline(renderer, bokeh); // which does tone mapping and sRGB, last
+  const pipeline = new RenderPipeline(renderer, bokeh); // applies tone mapping and sRGB encoding last
   return { pipeline, bokeh };
 }
 
-// The same after ambient occlusion: the bokeh takes any colour, and the depth that belongs to it.
+// Does the same, but with ambient occlusion before the bokeh, which takes any colour and the depth that belongs to it.
 export function addOccludedBokeh(renderer, scene, camera, options) {
   const scenePass = pass(scene, camera);
   scenePass.setMRT(mrt({ output, normal: normalView }));
@@ -41,10 +42,10 @@ export const { pipeline, bokeh } = addBokeh(renderer, scene, camera);
 bokeh.focusOn(subject);
 pipeline.render();
 
-// A click focuses on what is there.
+// A click focuses on the object that it hits.
 export const focus = bokeh.focusByClicks(renderer.domElement, scene, () => pipeline.render());
 
-// Keys 0 to 3 choose the debug view.
+// Keys 1 to 3 show a debug view, and 0 shows the result.
 addEventListener('keydown', ({ key }) => {
   if ('0123'.includes(key)) bokeh.uniforms.debugMode.value = Number(key);
   pipeline.render();

@@ -9,27 +9,35 @@ import type { Lens, Options } from './common.js';
 
 export interface BabylonOptions extends Options {
   method?: 'layered' | 'exact';
-  /** In place of the result: depth, circle of confusion, near and far field */
+  /** Shows a debug view instead of the result: depth, circle of confusion, or near and far field. None by default. */
   view?: 'depth' | 'coc' | 'focus';
 }
 
-/** What PolygonBokeh and PolygonBokehTask share */
+/** The members that PolygonBokeh and PolygonBokehTask share */
 export interface WithLens {
   camera: Camera;
   readonly uniforms: Lens;
   /**
-   * The lens of the camera's field of view, at an f-stop above 0: 2.8. The blur is bokehScale times as wide as that lens's:
-   * 10; 1 is the real lens, 0 is none
+   * Sets the focal length and the aperture diameter from the camera's field of view and an f-stop. Call it again after
+   * a zoom.
+   * @param fStop above 0; 2.8 by default
+   * @param bokehScale how many times as wide the blur is as that of a real lens; 10 by default, 0 turns the blur off
    */
   setLens(fStop?: number, bokehScale?: number): void;
+  /** Focuses on a point of the scene */
   focusOn(point: Vector3): void;
-  /** Metres along the view axis */
+  /** Returns the depth of a point of the scene along the view axis, in metres */
   depthOf(point: Vector3): number;
-  /** Once a frame of dt seconds, to the nearest of `depths` in metres; tau is the time constant in seconds: 0.2 */
+  /**
+   * Moves the focus smoothly to the nearest of several depths. Call it in every frame.
+   * @param dt time since the last frame, in seconds
+   * @param depths metres along the view axis
+   * @param tau time constant of the movement, in seconds; 0.2 by default
+   */
   pullFocus(dt: number, depths: number[], tau?: number): void;
 }
 
-/** Depth of field, the first post process of its camera */
+/** Depth of field as a post process. It attaches itself as the first post process of its camera. */
 export class PolygonBokeh extends PostProcess {
   constructor(camera: Camera, options?: BabylonOptions);
   readonly passes: readonly unknown[];
@@ -37,14 +45,14 @@ export class PolygonBokeh extends PostProcess {
 }
 export interface PolygonBokeh extends WithLens {}
 
-/** Depth of field as a task of a frame graph: before bloom and image processing */
+/** Depth of field as a task of a frame graph. Add it before bloom and image processing. */
 export class PolygonBokehTask extends FrameGraphTask {
   constructor(name: string, frameGraph: FrameGraph, camera: Camera, options?: BabylonOptions);
-  /** The scene's colours, linear */
+  /** The linear colour of the scene */
   sourceTexture?: FrameGraphTextureHandle;
-  /** geometryScreenDepthTexture of a FrameGraphGeometryRendererTask, 32-bit floats */
+  /** The screen depth in 32-bit floats: geometryScreenDepthTexture of a FrameGraphGeometryRendererTask */
   depthTexture?: FrameGraphTextureHandle;
-  /** What is written; left out, a texture of its own */
+  /** The texture to draw into; if you leave it out, the task creates one */
   targetTexture?: FrameGraphTextureHandle;
   readonly outputTexture: FrameGraphTextureHandle;
   record(skipCreationOfDisabledPasses?: boolean): void;

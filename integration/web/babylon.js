@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
 //
-// Polygonal bokeh for Babylon.js, made of the functions of the library, in GLSL for WebGL 2 and in WGSL for WebGPU: a
-// PostProcess, the first of its camera's, and a task for frame graphs. Both come before bloom and image processing.
+// Polygonal bokeh for Babylon.js: PolygonBokeh is a PostProcess, which attaches itself as the first one of its camera,
+// and PolygonBokehTask is a task for frame graphs. Both must run before bloom and image processing. Their shaders call
+// the functions of the library, in GLSL for WebGL 2 and in WGSL for WebGPU.
 
 import { Constants } from '@babylonjs/core/Engines/constants.js';
 import { FrameGraphTask } from '@babylonjs/core/FrameGraph/frameGraphTask.js';
@@ -12,22 +13,26 @@ import { Color4 } from '@babylonjs/core/Maths/math.color.js';
 import { Vector3 } from '@babylonjs/core/Maths/math.vector.js';
 import { PostProcess } from '@babylonjs/core/PostProcesses/postProcess.js';
 import { DepthRenderer } from '@babylonjs/core/Rendering/depthRenderer.js';
-import '@babylonjs/core/Engines/WebGPU/Extensions/engine.multiRender.js'; // MultiRenderTarget brings that of WebGL
+import '@babylonjs/core/Engines/WebGPU/Extensions/engine.multiRender.js'; // MultiRenderTarget itself imports WebGL's
 import { CHOICES, checked, diameter, pulled, uniformsOf } from './common.js';
 import { clockwise, declared, frame, inWgsl, library, stored, views } from './frames.js';
 import { GLSL, WGSL } from './shaders.js';
 
-// What the depth renderer writes, as BokehLinearDepth reads it: metres, in a right-handed scene times -1
+// Arguments of BokehLinearDepth (kind, near, far) for the texture of the depth renderer. It has view-space z: metres in
+// a left-handed scene, and -1 times metres in a right-handed one. Kind 7 multiplies the stored value by far, here -1.
 const DEPTH = { leftHanded: '0, 0.0, 0.0', rightHanded: '7, 0.0, -1.0' };
 
-// What the screen depth of a frame graph's geometry renderer holds
-const SCREEN_DEPTH = { perspective: [1, 2], orthographic: [5, 6] }; // of them: usual, reversed
+// The kind of depth, for BokehLinearDepth, that a frame graph's geometry renderer writes: [usual, reversed]
+const SCREEN_DEPTH = { perspective: [1, 2], orthographic: [5, 6] };
 const PLANES = ['nearPlane', 'farPlane'];
 
 const VIEWS = ['depth', 'coc', 'focus'];
 const OPTIONS = { ...CHOICES, method: ['layered', 'exact'], view: [undefined, ...VIEWS] };
 
-// `#version 300 es` keeps Babylon.js from rewriting what follows.
+// Returns the fragment shader of a pass in GLSL. It begins with `#version 300 es`, so that Babylon.js does not rewrite
+// it.
+//   text   the library
+//   place  number of the pass in its frame
 const glsl = (text, uniforms, { row, reads, opaque }, place, options) => `#version 300 es
 ${text}
 ${reads.map((name) => `uniform sampler2D ${name};`).join('\n')}
@@ -44,9 +49,11 @@ void main()
     ${opaque ? 'written0.a = 1.0;' : ''}
 }`;
 
-// Babylon.js binds what is called cocSampler with coc, makes the struct around main of what it finds here, and hands no
-// pipeline constants on.
 const output = (i, count) => `fragmentOutputs.${count > 1 ? `fragData${i}` : 'color'}`;
+
+// Returns the same in WGSL. Together with a texture such as coc, Babylon.js binds the sampler with the name cocSampler.
+// It generates the structs for main from the declarations in this text. It does not set pipeline constants, so
+// library() writes their values into the text.
 const wgsl = (text, uniforms, { row, reads, opaque }, place, options) => `
 varying vUV: vec2f;
 ${uniforms.map((name) => `uniform ${name}: f32;`).join('\n')}
@@ -68,10 +75,9 @@ fn main(input: FragmentInputs) -> FragmentOutputs
 
 const languageOf = ({ isWebGPU }) => (isWebGPU ? ShaderLanguage.WGSL : ShaderLanguage.GLSL);
 
-// The passes of a frame, each with its shader
-//
-// held   how BokehLinearDepth reads the texture depth: kind, near, far
-// names  of the floats that the shaders get
+// Returns the passes of a frame, each with its shader
+//   held   arguments of BokehLinearDepth for the texture `depth`: kind, near, far
+//   names  names of the float uniforms
 function passesOf(engine, options, held, names) {
   const { method, opaque, view } = options;
   const [map, ...others] = frame(options, held);
@@ -81,7 +87,7 @@ function passesOf(engine, options, held, names) {
   const text = library(engine.isWebGPU ? WGSL : GLSL, options);
   return rows.map((row, i) => {
     const [writes, scale, call] = row;
-    // in the order of the call
+    // the textures, in the order in which the call names them
     const reads = [...new Set(call.match(/(?<!\.)\b\w+/g))].filter((name) => textures.includes(name));
     const pass = { row, writes, reads, scale, call, opaque: opaque && writes[0] === 'result' };
     pass.wrapper = new EffectWrapper({
@@ -91,19 +97,22 @@ function passesOf(engine, options, held, names) {
       shaderLanguage: languageOf(engine),
       uniforms: [...names, 'imageSize'],
       samplers: [...reads],
-      useAsPostProcess: true, // for blending off, which is its default
+      useAsPostProcess: true, // Babylon.js then turns blending off, as `alphaMode` says by default
       allowEmptySourceTexture: true,
     });
     return pass;
   });
 }
 
-// What the post process and the task share: the lens and the focus, of this.camera
+// Adds the methods for lens and focus, which the post process and the task share. They use this.camera.
 const withLens = (Base) =>
   class extends Base {
-    // The lens of the camera's own field of view, at an f-stop; call it again where the camera zooms. bokehScale is how many
-    // times wider the blur is than that lens's: 1 is the real lens, which hardly blurs at a game's field of view
-    // (docs/lens.md), 0 is none. An orthographic camera has no field of view: focalLength stays.
+    // Sets focalLength and apertureDiameter from the camera's field of view and an f-stop; call it again after a zoom.
+    //   fStop       above 0
+    //   bokehScale  how many times as wide the blur is as that of a real lens. At 1 you get the real lens, which barely
+    //               blurs at a game's field of view (docs/lens.md); 0 turns the blur off.
+    // An orthographic camera has no field of view, so focalLength stays as it is. Throws an Error if an argument is
+    // invalid.
     setLens(fStop = 2.8, bokehScale = 10) {
       const { uniforms, camera } = this;
       if (camera.mode === Constants.PERSPECTIVE_CAMERA) {
@@ -112,62 +121,69 @@ const withLens = (Base) =>
       uniforms.apertureDiameter = diameter(uniforms.focalLength, fStop, bokehScale);
     }
 
-    // Focus on a place in the world: focusDistance is the depth along the view axis, not the length of the ray.
+    // Focuses on a point of the scene: sets focusDistance to its depth along the view axis, not along the ray.
     focusOn(point) {
       this.uniforms.focusDistance = this.depthOf(point);
     }
 
+    // Returns the depth of a point of the scene along the view axis, in metres.
     depthOf(point) {
       return Math.abs(Vector3.TransformCoordinates(point, this.camera.getViewMatrix(true)).z);
     }
 
-    // Autofocus, once a frame of dt seconds: towards the nearest of these depths, tau is its time constant in seconds.
+    // Autofocus: moves the focus smoothly to the nearest of these depths (metres). Call it in every frame. dt is the
+    // time since the last frame, and tau the time constant of the movement, both in seconds.
     pullFocus(dt, depths, tau = 0.2) {
       this.uniforms.focusDistance = pulled(this.uniforms.focusDistance, dt, depths, tau);
     }
   };
 
 export class PolygonBokeh extends withLens(PostProcess) {
-  // camera   the camera whose picture is blurred
-  // options, all of them checked:
-  //   method   'layered': near objects spread over what is behind them; 'exact': each pixel by its own circle of
-  //            confusion, fewer passes
-  //   sides    4, 6, 8 or 10
-  //   preset   'MOBILE', 'LOW', 'MEDIUM', 'HIGH' or 'ULTRA'
-  //   opaque   false: alpha is the signed circle of confusion in the end too. A canvas would take it for transparency.
-  //   extras   common.js
-  //   view     'depth', 'coc' (circle of confusion) or 'focus' (near and far field), to look at in place of the result
+  // camera   the camera whose image is blurred
+  // given    the options; throws an Error if one of them is invalid:
+  //   method   'layered' (default): blurred near objects spread over the sharp background; 'exact': each pixel is
+  //            blurred by its own circle of confusion, in fewer passes
+  //   sides    number of sides of the polygon: 6 (default), 4, 8 or 10
+  //   preset   number and spacing of samples: 'MEDIUM' (default), 'MOBILE', 'LOW', 'HIGH' or 'ULTRA'
+  //   opaque   true (default): the result has an alpha of 1; false: its alpha is the signed circle of confusion, which
+  //            a canvas would take for transparency
+  //   extras   a list of keys of EXTRAS in common.js; empty by default
+  //   view     a debug view to show instead of the result: 'depth', 'coc' (circle of confusion) or 'focus' (near and
+  //            far field)
   constructor(camera, given) {
     const options = checked('PolygonBokeh', given, OPTIONS);
     const scene = camera.getScene();
     const engine = scene.getEngine();
 
-    // To be set from outside. Metres, but for maxCoC (fraction of the image height) and rotation (radians, clockwise on
-    // the screen).
+    // The settings, which you may change in every frame: lengths in metres, maxCoC as a fraction of the image height,
+    // and rotation in radians, clockwise on the screen. common.d.ts describes all of them.
     const uniforms = uniformsOf(options);
 
     const rightHanded = scene.useRightHandedSystem;
     const held = rightHanded ? DEPTH.rightHanded : DEPTH.leftHanded;
     const passes = passesOf(engine, options, held, Object.keys(uniforms));
 
-    // The last pass is the post process itself, and writes into the input of the next one. Its input is the scene.
+    // This post process itself draws the last pass, into the input of the next post process. Its own input is the
+    // scene.
     const last = passes.at(-1);
     const textureType = Constants.TEXTURETYPE_HALF_FLOAT;
     const shaderLanguage = languageOf(engine);
     super('polygonBokeh', '', { size: 1, camera, textureType, shaderLanguage, effectWrapper: last.wrapper });
     camera.detachPostProcess(this);
     camera.attachPostProcess(this, 0);
-    this.externalTextureSamplerBinding = true; // the scene's texture is called color here
+    this.externalTextureSamplerBinding = true; // bind() binds the scene's texture, as `color`
     Object.assign(this, { camera, uniforms, passes, isAttached: true, isView: Boolean(options.view) });
     this.onApplyObservable.add((effect) => this.bind(effect, last));
 
-    // Depth along the view axis: a pass of Babylon.js that draws the scene once more, into R32F. Where nothing is
-    // drawn, it would be 0 without a clearColor: at the camera.
+    // Babylon.js's depth renderer draws the scene a second time, and writes depth along the view axis into an R32F
+    // texture. The clearColor puts the sky at the far plane; without it, the depth of the sky would be 0, at the
+    // camera.
     const [float, nearest] = [Constants.TEXTURETYPE_FLOAT, Constants.TEXTURE_NEAREST_SAMPLINGMODE];
     this.depth = new DepthRenderer(scene, float, camera, false, nearest, true, 'bokeh depth');
     this.depth.clearColor = new Color4(rightHanded ? -camera.maxZ : camera.maxZ, 0, 0, 1);
     const depth = this.depth.getDepthMap();
-    camera.customRenderTargets.push(depth); // those of the scene are drawn with the meshes that the last frame showed
+    // in scene.customRenderTargets, it would be drawn with the meshes that were visible in the last frame
+    camera.customRenderTargets.push(depth);
     this.textures = { depth };
 
     for (const pass of passes.slice(0, -1)) {
@@ -189,12 +205,13 @@ export class PolygonBokeh extends withLens(PostProcess) {
     });
   }
 
-  // Whether all shaders are compiled
+  // Returns true as soon as all shaders are compiled.
   isReady() {
     return this.textures.depth.isReadyForRendering() && this.passes.every(({ wrapper }) => wrapper.isReady());
   }
 
-  // Where nothing is blurred, the camera is as without this: no pass, and no depth drawn
+  // Detaches the effect from its camera while nothing is blurred and no debug view is shown, so that neither passes nor
+  // depth are drawn, and attaches it again afterwards.
   attach() {
     const { camera, uniforms, isView } = this;
     const wanted = isView || uniforms.apertureDiameter > 0;
@@ -211,7 +228,7 @@ export class PolygonBokeh extends withLens(PostProcess) {
     }
   }
 
-  // All passes but the last, after the scene was drawn
+  // Draws all passes except the last one. It is called after the scene has been drawn.
   draw() {
     if ('frame' in this.uniforms) this.uniforms.frame += 1;
     const { width, height } = this.inputTexture;
@@ -247,23 +264,25 @@ export class PolygonBokeh extends withLens(PostProcess) {
   }
 }
 
-// The same as a task of a frame graph, which knows the scene's depth already: nothing is drawn twice.
+// Does the same as a task of a frame graph. The graph already has the depth of the scene, so the scene is drawn only
+// once.
 //
-// sourceTexture  handle of the scene's colours, linear
-// depthTexture   handle of their depth: geometryScreenDepthTexture of a FrameGraphGeometryRendererTask, 32-bit floats
-// targetTexture  handle of what is written; left out, it is a texture of its own
-// outputTexture  handle of the result, for the tasks after it
+// sourceTexture  handle of the scene's linear colour
+// depthTexture   handle of its depth: geometryScreenDepthTexture of a FrameGraphGeometryRendererTask, in 32-bit floats
+// targetTexture  handle of the texture to draw into; if you leave it out, the task creates one
+// outputTexture  handle of the result, for the tasks after this one
 export class PolygonBokehTask extends withLens(FrameGraphTask) {
-  // name, frameGraph  as of every task
-  // camera            that the scene is drawn with; another one only of the same kind, perspective or orthographic
-  // options           those of PolygonBokeh
+  // name, frameGraph  as for every task
+  // camera            the camera that draws the scene. You may set another one later, with the same kind of projection,
+  //                   perspective or orthographic.
+  // given             the options, as for PolygonBokeh
   constructor(name, frameGraph, camera, given) {
     super(name, frameGraph);
     const options = checked('PolygonBokehTask', given, OPTIONS);
     const { engine } = frameGraph;
     const kinds = SCREEN_DEPTH[camera.mode === Constants.PERSPECTIVE_CAMERA ? 'perspective' : 'orthographic'];
     const held = [kinds[engine.useReverseDepthBuffer ? 1 : 0], ...PLANES].join(', ');
-    // To be set from outside, as those of PolygonBokeh
+    // The settings, as in PolygonBokeh
     this.uniforms = uniformsOf(options);
     this.camera = camera;
     this.isView = Boolean(options.view);
@@ -279,7 +298,8 @@ export class PolygonBokehTask extends withLens(FrameGraphTask) {
     return this.bokehPasses.every(({ wrapper }) => wrapper.isReady());
   }
 
-  // Babylon.js calls it when the graph is built, and again after a resize.
+  // Adds the passes to the graph. Babylon.js calls this when it builds the graph, and again after a resize. Throws an
+  // Error if sourceTexture or depthTexture is not set.
   record(skipCreationOfDisabledPasses = false) {
     const { sourceTexture, depthTexture, _frameGraph: graph } = this;
     const { textureManager } = graph;
@@ -313,7 +333,7 @@ export class PolygonBokehTask extends withLens(FrameGraphTask) {
     const { wrapper, writes, reads } = pass;
     const { engine } = this._frameGraph;
     if (!this.isView && !(this.uniforms.apertureDiameter > 0)) {
-      // nothing is blurred: the colours as they came
+      // nothing is blurred: the last pass copies the input
       if (pass === this.bokehPasses.at(-1)) context.copyTexture(handles.color);
       return;
     }
@@ -340,7 +360,7 @@ export class PolygonBokehTask extends withLens(FrameGraphTask) {
   }
 }
 
-// How a frame graph makes a texture of 16-bit floats
+// Returns the options with which a frame graph creates a texture of 16-bit floats
 const halfFloats = (label, [width, height]) => ({
   size: { width, height },
   sizeIsPercentage: false,

@@ -1,60 +1,67 @@
-/** How the picture is blurred: `layered` spreads near objects over what is behind them, `exact` blurs each pixel by its
- * own circle of confusion in fewer passes, `paper` is McIntosh's own. */
+/** How the image is blurred: `layered` spreads blurred near objects over the sharp background, `exact` blurs each pixel
+ * by its own circle of confusion in fewer passes, and `paper` is the method that McIntosh, Riecke and DiPaola
+ * published. */
 export type Method = 'layered' | 'exact' | 'paper';
 export type Sides = 4 | 6 | 8 | 10;
 export type Preset = 'MOBILE' | 'LOW' | 'MEDIUM' | 'HIGH' | 'ULTRA';
-/** What costs something only where it is asked for, each with its uniforms. */
+/** A feature that costs time only if you ask for it. Each one adds settings: see Lens. */
 export type Extra = 'jitter' | 'catsEye' | 'lateral' | 'focusRange';
 
 export interface Options {
-  /** `layered` */
+  /** The method; `layered` by default */
   method?: Method;
-  /** Of the aperture: 6; `paper` has 6 and 8 */
+  /** Number of sides of the polygon; 6 by default. With `paper`, only 6 and 8 are possible. */
   sides?: Sides;
-  /** Samples: `MEDIUM` */
+  /** Number and spacing of samples; `MEDIUM` by default */
   preset?: Preset;
-  /** true: alpha is 1. false: it is the signed circle of confusion, fraction of the image height. */
+  /** true, the default: the result has an alpha of 1. false: its alpha is the circle of confusion as a fraction of the
+   * image height, negative in front of the focus (with `paper`, it has no sign). */
   opaque?: boolean;
-  /** none */
+  /** The extras to use; none by default */
   extras?: readonly Extra[];
 }
 
-/** What is to be set from outside, with its default. Those after `squeeze` are there where `extras` has them. */
+/** The settings, with their defaults. Those after `squeeze` exist only if the option `extras` names their extra. */
 export interface Lens<T = number> {
-  /** Metres: 0.179, f/2.8 and ten times as wide. `setLens` sets it. */
+  /** Diameter of the aperture in metres; `setLens` sets it. The default is 0.179: f/2.8 with a bokeh scale of 10. */
   apertureDiameter: T;
-  /** Metres: 0.05. `setLens` sets it. */
+  /** Focal length in metres; 0.05 by default. `setLens` sets it. */
   focalLength: T;
-  /** Metres along the view axis: 5 */
+  /** Focus distance along the view axis, in metres; 5 by default */
   focusDistance: T;
-  /** Metres: 0.024 */
+  /** Height of the camera's sensor in metres; 0.024 by default */
   sensorHeight: T;
-  /** The largest circle of confusion, fraction of the image height: 0.1 */
+  /** Largest circle of confusion, as a fraction of the image height; 0.1 by default */
   maxCoC: T;
-  /** Of the polygon, clockwise on the screen, radians: 0 */
+  /** Rotation of the polygon in radians, clockwise on the screen; 0 by default */
   rotation: T;
-  /** Anamorphic: its width over its height: 1 */
+  /** Width of the bokeh divided by its height, for anamorphic lenses; 1 by default */
   squeeze: T;
-  /** `jitter`: noise on the samples' places, 0 to 1: 1 */
+  /** `jitter`: amount of random offset of the samples, for TAA to average out, 0 to 1; 1 by default */
   jitter?: T;
-  /** `jitter`: the number of the frame; it counts up by itself */
+  /** `jitter`: number of the frame, which changes the noise; the effect adds 1 in every frame */
   frame?: T;
-  /** `catsEye`: what the barrel cuts off in the corners, 0 to 0.9: 0.5 */
+  /**
+   * `catsEye`: fraction of the bokeh's width that the lens barrel cuts off in the corners of the image, 0 to 0.9; 0.5
+   * by default
+   */
   catsEye?: T;
-  /** `catsEye`: curved blades, 8 sides: 0 a square to 1 regular, its default */
+  /** `catsEye`, with 8 sides: how curved the blades are, from 0, a square, to 1, a regular octagon; 1 by default */
   roundness?: T;
-  /** `lateral`: the share of its size that red is larger by, -0.1 to 0.1: 0.001 */
+  /** `lateral`: fraction by which the red image is larger and the blue image smaller, -0.1 to 0.1; 0.001 by default */
   lateral?: T;
-  /** `focusRange`: metres before the focus that stay sharp: 0 */
+  /** `focusRange`: how far in front of the focus distance objects stay sharp, in metres; 0 by default */
   frontRange?: T;
-  /** `focusRange`: metres behind it: 0 */
+  /** `focusRange`: how far behind the focus distance objects stay sharp, in metres; 0 by default */
   backRange?: T;
-  /** `focusRange`: factor of the circle of confusion before the focus: 1 */
+  /** `focusRange`: factor of the circle of confusion in front of the focus; 1 by default */
   nearScale?: T;
-  /** `focusRange`: behind it: 1 */
+  /** `focusRange`: factor of the circle of confusion behind the focus; 1 by default */
   farScale?: T;
-  /** `focusRange`: limit before the focus, fraction of the image height: 1 */
+  /**
+   * `focusRange`: largest circle of confusion in front of the focus, as a fraction of the image height; 1 by default
+   */
   nearMaxCoC?: T;
-  /** `focusRange`: behind it: 1 */
+  /** `focusRange`: largest circle of confusion behind the focus, as a fraction of the image height; 1 by default */
   farMaxCoC?: T;
 }

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 //
-// What the classes of all engines share: their options, and what they set from outside.
+// The options and the settings that the classes of all engines share.
 
-// Option -> what it may be, its default first. `extras` is a list of those below.
+// Option -> its valid values, the default first. The value of `extras` is a list of keys of EXTRAS.
 export const CHOICES = {
   method: ['layered', 'exact', 'paper'],
   sides: [6, 4, 8, 10],
@@ -11,7 +11,7 @@ export const CHOICES = {
   extras: [],
 };
 
-// What costs something only where it is asked for -> the uniforms that it has
+// Extra, which costs time only if the user asks for it -> its settings with their defaults
 export const EXTRAS = {
   jitter: { jitter: 1, frame: 0 },
   catsEye: { catsEye: 0.5, roundness: 1 },
@@ -29,10 +29,13 @@ const LENS = {
   squeeze: 1,
 };
 
-// The numbers that are to be set from outside, with their defaults
+// Returns the settings with their defaults, as uniforms of the shaders.
 export const uniformsOf = ({ extras }) => Object.assign({}, LENS, ...extras.map((extra) => EXTRAS[extra]));
 
-// Options with their defaults. `who` is the class. Throws an Error for what no option can be.
+// Checks the options that the user has given, and returns all options, with defaults for the others.
+//   who      name of the class, for messages
+//   choices  option -> its valid values, the default first; undefined allows any value
+// If an option or its value is not valid, it throws an Error that lists the valid ones.
 export function checked(who, given = {}, choices = CHOICES) {
   const refuse = (what, list) => {
     throw new Error(`polygonal-bokeh, ${who}: ${what}. Give ${list.map((value) => JSON.stringify(value)).join(', ')}.`);
@@ -52,15 +55,17 @@ export function checked(who, given = {}, choices = CHOICES) {
   return options;
 }
 
-// The aperture's diameter at an f-stop, bokehScale times as wide as a real lens's. Throws an Error for what is none.
+// Returns the aperture diameter at an f-stop, multiplied by bokehScale, in the unit of focalLength. Throws an Error if
+// fStop is not above 0, or bokehScale is below 0.
 export function diameter(focalLength, fStop = 2.8, bokehScale = 10) {
   if (!(fStop > 0)) throw new Error(`polygonal-bokeh: an f-stop of ${fStop}. Give one above 0.`);
   if (!(bokehScale >= 0)) throw new Error(`polygonal-bokeh: a bokehScale of ${bokehScale}. Give 0 or more.`);
   return (focalLength / fStop) * bokehScale;
 }
 
-// Returns the focus distance dt seconds later, on its way to the nearest of these depths. 1 / distance changes evenly,
-// not the distance; tau is the time constant in seconds (docs/lens.md). An invalid distance, 0 or NaN, is left at once.
+// Returns the focus distance dt seconds later, as it moves to the nearest of these depths. It interpolates 1 / distance
+// instead of the distance; tau is the time constant in seconds (docs/lens.md). If the old distance is invalid, such as
+// 0 or NaN, the focus jumps. If no depth is valid, the focus stays.
 export function pulled(distance, dt, depths, tau) {
   const aim = Math.min(...depths.filter((depth) => depth > 0));
   if (!depths.some((depth) => depth > 0)) return distance;

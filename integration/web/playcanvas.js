@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
-// Polygonal bokeh for PlayCanvas: a CameraFrame whose depth of field is made of the functions of the
-// library. It stands after TAA, before bloom and tone mapping.
+// Polygonal bokeh for PlayCanvas: a CameraFrame with depth of field, which runs after TAA, and before bloom and tone
+// mapping. Its shaders call the functions of the library, in GLSL for WebGL 2 and in WGSL for WebGPU.
 
 import { CameraFrame, FramePass, FramePassCameraFrame, RenderPassShaderQuad, RenderTarget } from 'playcanvas';
 import { ADDRESS_CLAMP_TO_EDGE, FILTER_LINEAR, PIXELFORMAT_RGBA16F, SEMANTIC_POSITION } from 'playcanvas';
@@ -10,13 +10,14 @@ import { checked, diameter, pulled, uniformsOf } from './common.js';
 import { clockwise, declared, frame, library, stored, views } from './frames.js';
 import { GLSL, WGSL } from './shaders.js';
 
-// What CameraFrame has as depth, as BokehLinearDepth reads it: metres from a prepass; 1 / metres from the scene pass
+// Arguments of BokehLinearDepth (kind, near, far) for the depth of CameraFrame: a prepass writes metres, and the scene
+// pass 1 / metres
 const DEPTH = { prepass: '0, 0.0, 0.0', scene: '3, 1.0, 0.0' };
 
-// The names of uniforms and textures are common to all shaders of PlayCanvas: these get a prefix.
+// All shaders of PlayCanvas share the names of uniforms and textures, so ours get a prefix.
 const own = (name) => `bokeh_${name}`;
 
-// The two languages
+// How the parts of a shader are written in GLSL
 const IN_GLSL = {
   vertex: `
 attribute vec2 aPosition;
@@ -27,8 +28,9 @@ void main()
     gl_Position = vec4(aPosition, 0.0, 1.0);
 }`,
 
-  // PlayCanvas evaluates #if by itself. It does not know GL_ES, by which the library sets the precision, and compares
-  // numbers as text, in which 13 < 2: the errors of a wrong configuration go.
+  // PlayCanvas has a preprocessor of its own. It does not define GL_ES, for which the library sets the precision, so
+  // the precision is added here. And it compares numbers as text, so that 13 < 2. The library's #error lines, which
+  // reject a wrong configuration, are therefore removed.
   library(options) {
     const precision = ['float', 'int', 'sampler2D'].map((type) => `precision highp ${type};\n`);
     return [...precision, library(GLSL, options).replace(/^#error.*$/gm, '')].join('');
@@ -51,9 +53,10 @@ void main()
 }`,
 };
 
-// 32-bit floats
+// Textures of 32-bit floats
 const FLOAT = ['depth', 'metres'];
 const filtered = (name) => `var ${name}: texture_2d<f32>;\nvar ${name}Sampler: sampler;\n`;
+// The same parts in WGSL
 const IN_WGSL = {
   vertex: `
 attribute aPosition: vec2f;
@@ -68,7 +71,8 @@ varying bokehUv: vec2f;
 
   library: (options) => library(WGSL, options),
 
-  // each on a line of its own; 'uff': a 32-bit float texture, which not every device filters
+  // PlayCanvas needs every declaration on a line of its own. 'uff' means a texture of 32-bit floats without a filter,
+  // because not every device can filter such a texture.
   declarations: (textures, uniforms) => `
 ${textures.map((name) => (FLOAT.includes(name) ? `var ${own(name)}: texture_2d<uff>;\n` : filtered(own(name)))).join('')}
 ${uniforms.map((name) => `uniform ${own(name)}: f32;\n`).join('')}
@@ -92,7 +96,9 @@ function replaced(text, names, by) {
   return text.replace(new RegExp(`(?<![.\\w])(${names.join('|')})\\b`, 'g'), (name) => by(name));
 }
 
-// What comes after the library in a pass that reads the textures `reads`
+// Returns the part of a pass's shader that follows the library
+//   reads  names of the textures that the pass reads
+//   place  number of the pass in its frame
 function fragment(language, reads, row, place, options, opaque) {
   const uniforms = Object.keys(uniformsOf(options));
   const sampled = reads.find((name) => !FLOAT.includes(name));
@@ -104,9 +110,10 @@ function fragment(language, reads, row, place, options, opaque) {
 }
 
 class BokehPass extends RenderPassShaderQuad {
-  // bokeh   the PolygonBokeh that it is a pass of
-  // reads   the textures, by name
-  // target  that it draws into, of 1 / scale of the size
+  // bokeh   the PolygonBokeh that the pass belongs to
+  // scale   the target has 1 / scale of the size of the image
+  // reads   names of the textures that the pass reads
+  // target  the render target that the pass draws into
   constructor(bokeh, shader, scale, reads, target) {
     super(bokeh.device);
     Object.assign(this, { bokeh, shader, reads, scale });
@@ -129,13 +136,13 @@ class BokehPass extends RenderPassShaderQuad {
   }
 
   destroy() {
-    this.shader = null; // PlayCanvas keeps it for the next pass of that name
+    this.shader = null; // frees the quad; PlayCanvas caches the shader for the next pass with the same name
   }
 }
 
-// All passes from colour and depth to the result: textures.color, .depth and .metres are set before each frame
+// All passes from colour and depth to the result. textures.color, .depth and .metres must be set before each frame.
 class PolygonBokeh extends FramePass {
-  // held  a key of DEPTH: what textures.depth holds
+  // held  which kind of depth is in textures.depth: a key of DEPTH
   constructor(device, uniforms, options, held) {
     super(device);
     this.uniforms = uniforms;
@@ -167,7 +174,7 @@ class PolygonBokeh extends FramePass {
     this.beforePasses.push(...this.passes, ...this.views);
   }
 
-  // Whether nothing is blurred, nor shown in place of the result
+  // Whether no pass has to be drawn: nothing is blurred, and no debug view is shown
   get isOff() {
     return !(this.uniforms.apertureDiameter > 0) && this.debugMode === 0;
   }
@@ -186,7 +193,7 @@ class PolygonBokeh extends FramePass {
     });
   }
 
-  // Before its passes are looked at: which of them draw
+  // Enables the passes that have to be drawn. PlayCanvas calls this before it collects the enabled passes.
   frameUpdate() {
     super.frameUpdate();
     if ('frame' in this.uniforms) this.uniforms.frame += 1;
@@ -204,8 +211,9 @@ class PolygonBokeh extends FramePass {
 }
 
 class BokehCameraFrame extends FramePassCameraFrame {
-  // Depth as PlayCanvas has it for its own depth of field: from the scene pass, where Gaussian splats can be in it, or, with
-  // multisampling and on devices that cannot blend targets apart, from a prepass. paper reads metres, which only that has.
+  // Makes PlayCanvas provide depth as it does for its own depth of field, without turning that on. The depth comes from
+  // the scene pass, which can include Gaussian splats. With multisampling, and on devices that cannot blend each target
+  // differently, it comes from a prepass. paper needs metres, which only the prepass writes.
   sanitizeOptions(options) {
     const paper = this.cameraFrame?.bokehOptions?.method === 'paper';
     const given = { ...options, dofEnabled: true, prepassEnabled: paper || options?.prepassEnabled };
@@ -215,8 +223,8 @@ class BokehCameraFrame extends FramePassCameraFrame {
   createPasses(options) {
     super.createPasses(options);
     const { uniforms, bokehOptions } = this.cameraFrame;
-    // CameraFrame makes its first passes before it is told of these
     const held = this.sceneDepthTexture ? 'scene' : 'prepass';
+    // the constructor of CameraFrame creates its first passes before `uniforms` is set
     this.bokeh = uniforms && new PolygonBokeh(this.device, uniforms, bokehOptions, held);
   }
 
@@ -233,29 +241,32 @@ class BokehCameraFrame extends FramePassCameraFrame {
     textures.color = this.composePass.sceneTexture;
     textures.metres = this.prePass?.linearDepthTexture;
     textures.depth = this.sceneDepthTexture ?? textures.metres;
-    if (this.bokeh.isOff) return; // PlayCanvas goes on with the scene as it is
+    if (this.bokeh.isOff) return; // the later effects of PlayCanvas read the sharp scene
     this.composePass.sceneTexture = textures.result;
     this.scenePassHalf?.setSourceTexture(textures.result);
   }
 }
 
 export class PolygonBokehFrame extends CameraFrame {
-  // options, all of them checked:
-  //   method   'layered': near objects spread over what is behind them; 'exact': each pixel by its own circle of
-  //            confusion, fewer passes; 'paper': lines and min, a target less
-  //   sides    6 or 8; layered and exact have 4 and 10 as well
-  //   preset   'MOBILE', 'LOW', 'MEDIUM', 'HIGH' or 'ULTRA'
-  //   opaque   false: alpha is the circle of confusion in the end too, signed but for paper. A canvas would take it for
-  //            transparency.
-  //   extras   common.js
+  // app, cameraComponent  as for CameraFrame
+  // options               throws an Error if one of them is invalid:
+  //   method   'layered' (default): blurred near objects spread over the sharp background; 'exact': each pixel is
+  //            blurred by its own circle of confusion, in fewer passes; 'paper': blurs along lines, and combines them
+  //            by min
+  //   sides    number of sides of the polygon: 6 (default) or 8; with layered and exact also 4 and 10
+  //   preset   number and spacing of samples: 'MEDIUM' (default), 'MOBILE', 'LOW', 'HIGH' or 'ULTRA'
+  //   opaque   true (default): the result has an alpha of 1; false: its alpha is the circle of confusion, signed except
+  //            with paper, which a canvas would take for transparency
+  //   extras   a list of keys of EXTRAS in common.js; empty by default
+  // Also throws an Error if the device cannot draw into textures of 32-bit floats.
   constructor(app, cameraComponent, options) {
     const bokehOptions = checked('PolygonBokehFrame', options);
     if (!app.graphicsDevice.textureFloatRenderable) throw new Error('PolygonBokehFrame needs float render targets');
     super(app, cameraComponent);
-    // To be set from outside. Metres, but for maxCoC (fraction of the image height) and rotation (radians, clockwise on
-    // the screen).
+    // The settings, which you may change in every frame: lengths in metres, maxCoC as a fraction of the image height,
+    // and rotation in radians, clockwise on the screen. common.d.ts describes all of them.
     this.uniforms = uniformsOf(bokehOptions);
-    this.debugMode = 0; // 1 depth, 2 circle of confusion, 3 near and far field
+    this.debugMode = 0; // 0 result, 1 depth, 2 circle of confusion, 3 near and far field
     this.bokehOptions = bokehOptions;
     this.rendering.renderFormats = [PIXELFORMAT_RGBA16F];
     this.update();
@@ -265,9 +276,12 @@ export class PolygonBokehFrame extends CameraFrame {
     return new BokehCameraFrame(this.app, this, this.cameraComponent, this.options);
   }
 
-  // The lens of the camera's own field of view, at an f-stop; call it again where the camera zooms. bokehScale is how many
-  // times wider the blur is than that lens's: 1 is the real lens, which hardly blurs at a game's field of view
-  // (docs/lens.md), 0 is none. An orthographic camera has no field of view: focalLength stays.
+  // Sets focalLength and apertureDiameter from the camera's field of view and an f-stop; call it again after a zoom.
+  //   fStop       above 0
+  //   bokehScale  how many times as wide the blur is as that of a real lens. At 1 you get the real lens, which barely
+  //               blurs at a game's field of view (docs/lens.md); 0 turns the blur off.
+  // An orthographic camera has no field of view, so focalLength stays as it is. Throws an Error if an argument is
+  // invalid.
   setLens(fStop = 2.8, bokehScale = 10) {
     const { projection, projectionMatrix } = this.cameraComponent;
     const { uniforms } = this;
@@ -277,12 +291,13 @@ export class PolygonBokehFrame extends CameraFrame {
     uniforms.apertureDiameter = diameter(uniforms.focalLength, fStop, bokehScale);
   }
 
-  // Focus on a place in the world: focusDistance is the depth along the view axis, not the length of the ray.
+  // Focuses on a point of the scene: sets focusDistance to its depth along the view axis, not along the ray.
   focusOn(point) {
     this.uniforms.focusDistance = -this.cameraComponent.viewMatrix.transformPoint(point).z;
   }
 
-  // Autofocus, once a frame of dt seconds: towards the nearest of these depths, tau is its time constant in seconds.
+  // Autofocus: moves the focus smoothly to the nearest of these depths (metres). Call it in every frame. dt is the time
+  // since the last frame, and tau the time constant of the movement, both in seconds.
   pullFocus(dt, depths, tau = 0.2) {
     this.uniforms.focusDistance = pulled(this.uniforms.focusDistance, dt, depths, tau);
   }

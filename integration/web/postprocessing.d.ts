@@ -3,7 +3,7 @@ import type { Camera } from 'three';
 import type { PassOptions } from './three.js';
 import type { WithLens } from './three-common.js';
 
-/** Depth of field after the RenderPass of pmndrs' EffectComposer, which gives it depth */
+/** Depth of field for pmndrs' EffectComposer, which passes it the depth. Add it after the RenderPass. */
 export class PolygonBokehPass extends Pass {
   constructor(camera: Camera, options?: PassOptions);
 }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
-// Polygonal bokeh for pmndrs' postprocessing: a Pass for its EffectComposer, which gives it depth. It stands after the
-// RenderPass; an EffectPass after it does tone mapping and sRGB.
+// Polygonal bokeh for pmndrs' postprocessing: a Pass for its EffectComposer, which passes it the depth. Add it after
+// the RenderPass. An EffectPass after it applies tone mapping and encodes the image as sRGB.
 
 import { Pass } from 'postprocessing';
 import { HalfFloatType } from 'three';

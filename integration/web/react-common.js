@@ -1,24 +1,26 @@
 // SPDX-License-Identifier: MIT
 //
-// What the components for react-three-fiber share: their properties, checked, and handed on in each frame.
+// The code that the components for react-three-fiber share: it checks their properties, and passes them on in each
+// frame.
 
 import { useEffect, useRef, useState } from 'react';
 import { EXTRAS, uniformsOf } from './common.js';
 
 const OTHERS = ['fStop', 'bokehScale', 'focus', 'tau'];
 const OF_REACT = ['ref', 'children', 'key'];
-// What the lens and the focus are set by, in each frame
+// Uniforms that are not properties, because setLens and pullFocus set them in each frame
 const OF_LENS = ['apertureDiameter', 'focalLength', 'focusDistance'];
 
-// The options among the properties, as the class takes them
+// Returns those properties that are options of the class.
 export const optionsOf = (props, names) => Object.fromEntries(names.map((name) => [name, props[name]]));
 
-// Keep a pass or node as the properties say. Returns what is to be called in each frame, with its seconds.
+// Keeps a pass or node up to date with the properties of its component. Returns a function to call in each frame, with
+// the time since the last frame in seconds.
 //
 // bokeh    a PolygonBokehPass or PolygonBokehNode
-// names    of its options; they may change
-// own      properties of the component besides
-// Throws an Error for a property that there is not, and for an f-stop or uniform that is no number.
+// names    names of its options, which may change
+// own      names of properties that only this component has
+// Throws an Error if a property does not exist, or if the f-stop, the bokeh scale or a uniform is not a valid number.
 export function useBokeh(bokeh, props, names, own = []) {
   const { fStop = 2.8, bokehScale = 10, focus = 5, tau = 0, ...others } = props;
   const options = optionsOf(props, names);
@@ -47,11 +49,11 @@ export function useBokeh(bokeh, props, names, own = []) {
   return (dt) => {
     for (const name of new Set([...Object.keys(defaults.current), ...set])) {
       const uniform = bokeh.uniforms[name];
-      if (!uniform) continue; // of an extra whose shaders are not compiled yet
+      if (!uniform) continue; // it belongs to an extra whose shaders are not compiled yet
       if (!(name in defaults.current)) defaults.current[name] = uniform.value;
       uniform.value = others[name] ?? defaults.current[name];
     }
-    // it has no field of view, and the one that a camera before it had does not count
+    // without a field of view, setLens keeps the focal length: reset it, or the one of an earlier camera would remain
     if (bokeh.camera.isOrthographicCamera) bokeh.uniforms.focalLength.value = uniformsOf({ extras: [] }).focalLength;
     bokeh.setLens(fStop, bokehScale);
     const aim = focus.current ?? focus;
@@ -59,7 +61,8 @@ export function useBokeh(bokeh, props, names, own = []) {
   };
 }
 
-// What is wrong with properties, or nothing. Told while React renders: an error boundary gets it, once.
+// Returns what is wrong with the properties, or ''. It is called while React renders, so an error boundary gets the
+// error, and only once.
 function refused({ fStop = 1, bokehScale = 1, ...others }, names, numbers) {
   if (!(fStop > 0)) return `fStop is ${fStop}. Give a number above 0.`;
   if (!(bokehScale >= 0)) return `bokehScale is ${bokehScale}. Give 0 or a number above it.`;

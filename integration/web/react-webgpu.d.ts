@@ -5,14 +5,21 @@ import type { PolygonBokehProps as Props } from './react.js';
 import type { PolygonBokehNode } from './three-webgpu.js';
 
 export interface PolygonBokehProps extends Omit<Props, 'ref'> {
-  /** A layer that is drawn sharp over the picture: glass. Not together with `before` */
+  /**
+   * A layer whose objects are drawn sharp after the bokeh, for example glass. It does not work together with `before`.
+   */
   sharpLayer?: number;
-  /** Nodes between the scene and the bokeh, such as ambient occlusion: colour, and the depth texture that belongs to it */
+  /**
+   * Adds nodes between the scene and the bokeh, such as ambient occlusion. Returns the colour to blur, and the depth
+   * texture that belongs to it.
+   */
   before?: (scenePass: PassNode, camera: Camera) => readonly [Node, TextureNode];
-  /** What is shown, such as bloom */
+  /** Adds nodes after the bokeh, such as bloom. Returns the node to show. */
   after?: (bokeh: PolygonBokehNode, scenePass: PassNode) => Node;
   ref?: Ref<PolygonBokehNode>;
 }
 
-/** In the <Canvas> of react-three-fiber with WebGPURenderer: it draws the frame */
+/**
+ * Depth of field for react-three-fiber with WebGPURenderer. Put it directly into <Canvas>; it draws every frame itself.
+ */
 export function PolygonBokeh(props: PolygonBokehProps): ReactElement | null;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
-// <PolygonBokeh /> for react-three-fiber with WebGPURenderer, in its <Canvas>. It draws the frame, by a RenderPipeline of
-// three.js 0.183 or later: react-three-fiber itself then draws none.
+// <PolygonBokeh /> for react-three-fiber with WebGPURenderer. Put it directly into <Canvas>. It draws every frame with
+// a RenderPipeline of three.js 0.183 or later, and react-three-fiber itself then draws nothing.
 
 import { useFrame, useThree } from '@react-three/fiber';
 import { useEffect, useImperativeHandle, useMemo } from 'react';
@@ -15,10 +15,11 @@ const RENDERER =
   'polygonal-bokeh, <PolygonBokeh>: polygonal-bokeh/react-webgpu needs WebGPURenderer, given to <Canvas gl>. With ' +
   'WebGLRenderer use polygonal-bokeh/react.';
 
-// As that of react.js, with options of PolygonBokehNode, and
-//   before  (scenePass, camera) => [color, depth]: nodes between the scene and the bokeh, such as ambient occlusion
-//   after   (bokeh, scenePass) => node: what is shown, such as bloom
-// Both are called when renderer, scene or camera are others, and then the node is made anew.
+// Has the properties of the component in react.js, with the options of PolygonBokehNode, and two more:
+//   before  (scenePass, camera) => [color, depth]: adds nodes between the scene and the bokeh, such as ambient
+//           occlusion
+//   after   (bokeh, scenePass) => node: adds nodes after the bokeh, such as bloom, and returns the node to show
+// When the renderer, the scene or the camera changes, the node is created again, and both functions are called again.
 export function PolygonBokeh(props) {
   const { before, after, ref } = props;
   const { gl, scene, camera } = useThree();
@@ -32,7 +33,7 @@ export function PolygonBokeh(props) {
   const update = useBokeh(bokeh, props, OPTIONS, ['before', 'after']);
   useImperativeHandle(ref, () => bokeh, [bokeh]);
   useEffect(() => () => [pipeline, scenePass].forEach((own) => own.dispose()), [pipeline, scenePass]);
-  // react-three-fiber draws nothing where a callback has a priority
+  // react-three-fiber does not draw the scene itself if a callback has a priority, here 1
   useFrame((_, dt) => {
     update(dt);
     pipeline.render();

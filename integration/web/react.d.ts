@@ -7,18 +7,20 @@ import type { ThreeOptions } from './three-common.js';
 type Set = Omit<Lens, 'apertureDiameter' | 'focalLength' | 'focusDistance'>;
 
 export interface PolygonBokehProps extends ThreeOptions, Partial<Set> {
-  /** Of the lens: 2.8 */
+  /** f-stop of the lens; 2.8 by default */
   fStop?: number;
-  /** How many times wider the blur is than that lens's: 10; 1 is the real lens, 0 is none */
+  /** How many times as wide the blur is as that of a real lens; 10 by default, 0 turns the blur off */
   bokehScale?: number;
-  /** Metres along the view axis, or what is in focus: 5 */
+  /** Focus distance along the view axis in metres (5 by default), or the point or object in focus */
   focus?: number | Vector3 | Object3D | RefObject<Object3D | null>;
-  /** Seconds: the time constant of a pull to another focus; 0, the default: at once */
+  /** Time constant of the movement to another focus, in seconds; with 0, the default, the focus jumps */
   tau?: number;
-  /** 0 the picture, 1 depth, 2 circle of confusion, 3 near and far field */
+  /** What is shown: 0 the result, 1 depth, 2 circle of confusion, 3 near and far field */
   debugMode?: number;
   ref?: Ref<PolygonBokehPass>;
 }
 
-/** In the EffectComposer of @react-three/postprocessing, before <Bloom /> and <ToneMapping /> */
+/**
+ * Depth of field. Put it into <EffectComposer> of @react-three/postprocessing, before <Bloom /> and <ToneMapping />.
+ */
 export function PolygonBokeh(props: PolygonBokehProps): ReactElement;

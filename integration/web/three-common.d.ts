@@ -2,46 +2,67 @@ import type { Camera, Object3D, Scene, Vector2 } from 'three';
 import type { Lens, Options, Preset, Sides } from './common.js';
 
 export interface ThreeOptions extends Options {
-  /** true: colour has a share of the page in alpha, premultiplied, and is blurred with it. Twice the cost. */
+  /**
+   * Set it to true for a transparent canvas: alpha is then blurred too, and colour must be premultiplied. This takes
+   * twice as long. false by default.
+   */
   alpha?: boolean;
 }
 
 export interface Uniforms extends Lens<{ value: number }> {
-  /** 0 the picture, 1 depth, 2 circle of confusion, 3 near and far field */
+  /** What is shown: 0 the result, 1 depth, 2 circle of confusion, 3 near and far field */
   debugMode: { value: number };
   imageSize: { value: Vector2 };
 }
 
 type Place = { x: number; y: number; z: number } | Object3D;
 
-/** What PolygonBokehPass and PolygonBokehNode share. */
+/** The members that PolygonBokehPass and PolygonBokehNode share */
 export interface WithLens<Given> {
   camera: Camera;
   readonly options: Required<Omit<Given, 'depthTexture'>>;
   readonly uniforms: Uniforms;
   readonly passes: readonly unknown[];
-  /** Bytes of its targets */
+  /** Size of the effect's own render targets in bytes */
   readonly memory: number;
   /**
-   * The lens of the camera's field of view, at an f-stop above 0: 2.8. The blur is bokehScale times as wide as that lens's:
-   * 10; 1 is the real lens, 0 is none
+   * Sets the focal length and the aperture diameter from the camera's field of view and an f-stop. Call it again after
+   * a zoom.
+   * @param fStop above 0; 2.8 by default
+   * @param bokehScale how many times as wide the blur is as that of a real lens; 10 by default, 0 turns the blur off
    */
   setLens(fStop?: number, bokehScale?: number): void;
-  /** Metres along the view axis, of a place in the world or an object */
+  /** Returns the depth of a point of the scene or of an object along the view axis, in metres */
   depthOf(place: Place): number;
+  /** Focuses on a point of the scene or on an object */
   focusOn(place: Place): void;
-  /** Once a frame of dt seconds, to the nearest of `depths` in metres; tau is the time constant in seconds: 0.2 */
+  /**
+   * Moves the focus smoothly to the nearest of several depths. Call it in every frame.
+   * @param dt time since the last frame, in seconds
+   * @param depths metres along the view axis
+   * @param tau time constant of the movement, in seconds; 0.2 by default
+   */
   pullFocus(dt: number, depths: number[], tau?: number): void;
-  /** Metres under points of the view, (-1, -1) lower left; Infinity where nothing is */
+  /**
+   * Returns the depths of the visible objects under points of the view, in metres, and Infinity where there is none
+   * @param points [x, y], from (-1, -1) at the lower left to (1, 1) at the upper right
+   */
   depthsUnder(points: readonly (readonly [number, number])[], scene: Scene): number[];
-  /** A click focuses on what is there; `draw` is called after each step of a pull. */
+  /**
+   * From now on, focuses on what the user clicks on. To stop, call dispose() of the result.
+   * @param draw called after each step of the focus; leave it out if you have a render loop
+   * @param tau time constant of the movement of the focus, in seconds; 0.2 by default
+   */
   focusByClicks(
     canvas: HTMLElement,
     scene: Scene,
     draw?: () => void,
     tau?: number,
   ): { readonly pulling: boolean; dispose(): void };
-  /** Resolves when the next frame has them; shaders are compiled beside the frames until then. */
+  /**
+   * Changes some of the options. The promise resolves when the new shaders are compiled: the next frame is drawn with
+   * the new options. Until then, frames look as before.
+   */
   change(options: Given): Promise<void>;
   setPreset(preset: Preset): Promise<void>;
   setSides(sides: Sides): Promise<void>;

@@ -1,27 +1,31 @@
 // SPDX-License-Identifier: MIT
 //
-// What PolygonBokehPass and PolygonBokehNode share: the lens and the focus. Each hands in the classes of its own three.
+// The methods for lens and focus that PolygonBokehPass and PolygonBokehNode share. Each of them passes in the classes
+// of the three.js build that it imports.
 
 import { CHOICES, diameter, pulled } from './common.js';
 
-// FloatType, of metres alone; all others are RGBA16F
+// FloatType of three.js. Only the target `metres` has it, as R32F; all others are RGBA16F.
 const FLOAT = 1015;
 
-// Pixels that the pointer may move between press and release, for it to be a click and no drag
+// If the pointer moves by more pixels between press and release, it drags instead of clicking
 const CLICK = 5;
 
-// What a camera sees: three.js casts rays at hidden objects as well
+// Returns whether an object and all its parents are visible: rays of three.js also hit hidden objects.
 const isSeen = (object) => !object || (object.visible && isSeen(object.parent));
 
-// alpha         true: colour has a share of the page in alpha, premultiplied, and is blurred with it. Twice the cost.
-// depthTexture  of the scene, where it is not that of the composer's target: for PolygonBokehPass alone
+// The options of three.js. PolygonBokehPass and PolygonBokehNode each add one more.
+//   alpha  true: alpha is blurred too, for a transparent canvas, and colour must be premultiplied; takes twice as long
 export const THREE_CHOICES = { ...CHOICES, alpha: [false, true] };
 
 export const withLens = (Base, { Raycaster, Vector2, Vector3 }) =>
   class extends Base {
-    // The lens of the camera's own field of view, at an f-stop; call it again where the camera zooms. bokehScale is how
-    // many times wider the blur is than that lens's: 1 is the real lens, which hardly blurs at a game's field of view
-    // (docs/lens.md), 0 is none. An orthographic camera has no field of view: focalLength stays.
+    // Sets focalLength and apertureDiameter from the camera's field of view and an f-stop; call it again after a zoom.
+    //   fStop       above 0
+    //   bokehScale  how many times as wide the blur is as that of a real lens. At 1 you get the real lens, which barely
+    //               blurs at a game's field of view (docs/lens.md); 0 turns the blur off.
+    // An orthographic camera has no field of view, so focalLength stays as it is. Throws an Error if an argument is
+    // invalid.
     setLens(fStop = 2.8, bokehScale = 10) {
       const { apertureDiameter, focalLength, sensorHeight } = this.uniforms;
       const { camera } = this;
@@ -31,25 +35,28 @@ export const withLens = (Base, { Raycaster, Vector2, Vector3 }) =>
       apertureDiameter.value = diameter(focalLength.value, fStop, bokehScale);
     }
 
-    // Depth along the view axis, as the renderer counts it, of a place in the world, or of an object, wherever it hangs.
+    // Returns the depth along the view axis, as the renderer draws it, of a point of the scene or of an object, which
+    // may have any parents.
     depthOf(place) {
       const point = place.isObject3D ? place.getWorldPosition(new Vector3()) : new Vector3().copy(place);
       this.camera.updateWorldMatrix(true, false);
       return -point.applyMatrix4(this.camera.matrixWorldInverse).z;
     }
 
-    // Focus on a place in the world, or on an object.
+    // Focuses on a point of the scene, or on an object.
     focusOn(place) {
       this.uniforms.focusDistance.value = this.depthOf(place);
     }
 
-    // Autofocus, once a frame of dt seconds: towards the nearest of these depths, tau is its time constant in seconds.
+    // Autofocus: moves the focus smoothly to the nearest of these depths (metres). Call it in every frame. dt is the
+    // time since the last frame, and tau the time constant of the movement, both in seconds.
     pullFocus(dt, depths, tau = 0.2) {
       const { focusDistance } = this.uniforms;
       focusDistance.value = pulled(focusDistance.value, dt, depths, tau);
     }
 
-    // Depths under points of the view, (-1, -1) lower left; Infinity where nothing is
+    // Returns the depths of the visible objects under points of the view, and Infinity where there is none. The points
+    // go from (-1, -1) at the lower left to (1, 1) at the upper right.
     depthsUnder(points, scene) {
       const caster = new Raycaster();
       return points.map(([x, y]) => {
@@ -59,9 +66,10 @@ export const withLens = (Base, { Raycaster, Vector2, Vector3 }) =>
       });
     }
 
-    // A click focuses on what is there, on the nearest of some points around it, within five time constants; a drag, as
-    // of a camera's controls, does not. draw() is called after each step, for whoever draws no frames otherwise.
-    // { pulling: whether that is going on, dispose() }
+    // From now on, focuses on what the user clicks on: on the nearest of the clicked point and four points around it.
+    // The focus reaches it after five time constants (tau, in seconds). A drag, for example of camera controls, has no
+    // effect. draw() is called after each step; leave it out if you have a render loop. Returns { pulling: whether the
+    // focus is moving, dispose() }.
     focusByClicks(canvas, scene, draw = () => {}, tau = 0.2) {
       let [depths, last, end, pressed] = [[], 0, 0, null];
       const step = () => {
@@ -91,14 +99,14 @@ export const withLens = (Base, { Raycaster, Vector2, Vector3 }) =>
       return state;
     }
 
-    // Bytes of its targets
+    // Size of the effect's own render targets in bytes
     get memory() {
       const targets = new Set([...this.passes.map(({ target }) => target), this.sharp].filter(Boolean));
       const bytes = ({ width, height, textures }) => textures.length * width * height * (textures[0].type === FLOAT ? 4 : 8);
       return [...targets].reduce((sum, target) => sum + bytes(target), 0);
     }
 
-    // Another preset, number of sides or camera. It resolves when it is drawn: shaders are compiled beside the frames.
+    // Changes the preset, or, below, the number of sides. Resolves as change() does.
     setPreset(preset) {
       return this.change({ preset });
     }

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: MIT
 //
-// Depth for glass, particles, hair and splats in a scene of WebGLRenderer: that of all surfaces in a pixel, weighted by their
-// opacity.
+// Depth weighted by opacity, for glass, particles, hair and splats with WebGLRenderer: the mean depth of all surfaces
+// in a pixel, weighted by how much each of them contributes to the colour (docs/inputs.md).
 
 import { AddEquation, Color, CustomBlending, HalfFloatType, NearestFilter, OneFactor, OneMinusSrcAlphaFactor } from 'three';
 import { RGFormat, Vector3, WebGLRenderTarget } from 'three';
 
 const FORMAT = { type: HalfFloatType, format: RGFormat, minFilter: NearestFilter, magFilter: NearestFilter };
-// Each surface over those behind it
+// Blends each surface over the surfaces behind it
 const OVER = {
   blending: CustomBlending,
   blendEquation: AddEquation,
@@ -19,9 +19,9 @@ const OVER = {
 };
 const OUTPUT = /\bout\s+(?:\w+\s+)?vec4\s+(\w+)/;
 
-// The material of a surface, but it writes metres times opacity, and opacity, in place of colour. Everything else is read
-// through the prototype, so it follows what the scene does with the material.
-// planes  uniform: near, far, 1 if the camera is orthographic
+// Returns a copy of a material that writes metres times opacity into red, and opacity into green, instead of colour.
+// The material is the prototype of the copy, so the copy follows all later changes of the material.
+//   planes  uniform with near plane, far plane, and 1 if the camera is orthographic, else 0
 function weighted(material, planes) {
   const { transmission = 0, transparent } = material;
   const glass = transmission > 0 ? { transmission: 0, transparent: true, depthWrite: false } : {};
@@ -49,8 +49,9 @@ ${text.slice(0, text.lastIndexOf('}'))}
   return made;
 }
 
-// For the option depthTexture: after a RenderPass the scene is drawn once more, for its depth weighted by opacity. A
-// transparent surface then gets a blur between its own and that of what is behind it, by its opacity.
+// Returns a texture for the option depthTexture, with depth weighted by opacity. From now on, the RenderPass draws the
+// scene a second time to fill it. Each pixel of a transparent surface is then blurred as if it lay between the surface
+// and the background: the more opaque the surface is, the nearer to the surface.
 export function depthWithOpacity(renderPass) {
   const { render, dispose } = renderPass;
   const target = new WebGLRenderTarget(1, 1, FORMAT);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
-// Polygonal bokeh for three.js with WebGLRenderer, made of the functions of the GLSL library: what the passes for three.js's
-// own EffectComposer and for pmndrs' share.
+// Polygonal bokeh for three.js with WebGLRenderer: the code that the passes for three.js's EffectComposer and for
+// pmndrs' EffectComposer share. Its shaders call the functions of the library, in GLSL.
 
 import { FloatType, GLSL3, Group, HalfFloatType, Mesh, NearestFilter, NoBlending, PlaneGeometry, RGFormat } from 'three';
 import { Raycaster, RedFormat, ShaderMaterial, Vector2, Vector3, WebGLRenderTarget } from 'three';
@@ -38,28 +38,32 @@ void main()
     ${opaque ? 'written0.a = 1.0;' : ''}
 }`;
 
-// WebGL without extensions reads no 32-bit float texture that has another filter, not even texel by texel
+// Without extensions, WebGL can read a texture of 32-bit floats only if its filter is nearest, even to fetch single
+// texels
 export const FLOAT = { type: FloatType, format: RedFormat, minFilter: NearestFilter, magFilter: NearestFilter };
 
 export const withPasses = (Base) =>
   class extends withLens(Base, { Raycaster, Vector2, Vector3 }) {
-    // camera        the camera that the scene is drawn with
-    // options, all of them checked:
-    //   method        'layered': near objects spread over what is behind them; 'exact': each pixel by its own circle of
-    //                 confusion, fewer passes; 'paper': lines and min, a target less
-    //   sides         6 or 8; layered and exact have 4 and 10 as well
-    //   preset        'MOBILE', 'LOW', 'MEDIUM', 'HIGH' or 'ULTRA'
-    //   opaque        false: alpha is the circle of confusion in the end too, signed but for paper. A canvas would take it
-    //                 for transparency.
-    //   extras, alpha, depthTexture: common.js, three-common.js
+    // camera          the camera that draws the scene
+    // options         throws an Error if one of them is invalid:
+    //   method        'layered' (default): blurred near objects spread over the sharp background; 'exact': each pixel
+    //                 is blurred by its own circle of confusion, in fewer passes; 'paper': blurs along lines, and
+    //                 combines them by min
+    //   sides         number of sides of the polygon: 6 (default) or 8; with layered and exact also 4 and 10
+    //   preset        number and spacing of samples: 'MEDIUM' (default), 'MOBILE', 'LOW', 'HIGH' or 'ULTRA'
+    //   opaque        true (default): the result has an alpha of 1; false: its alpha is the circle of confusion, signed
+    //                 except with paper, which a canvas would take for transparency
+    //   extras        a list of keys of EXTRAS in common.js; empty by default
+    //   alpha         see three-common.js
+    //   depthTexture  depth of the scene, if it is not the depth of the composer's target
     constructor(camera, options) {
       super('PolygonBokehPass');
       this.camera = camera;
       this.options = checked('PolygonBokehPass', options, CHOICES);
 
-      // To be set from outside. Metres, but for maxCoC (fraction of the image height) and rotation (radians, clockwise on
-      // the screen).
-      // debugMode: 0 off, 1 depth, 2 circle of confusion, 3 near and far field.
+      // The settings, which you may change in every frame: lengths in metres, maxCoC as a fraction of the image height,
+      // and rotation in radians, clockwise on the screen. common.d.ts describes all of them.
+      // debugMode: 0 result, 1 depth, 2 circle of confusion, 3 near and far field
       this.uniforms = {
         debugMode: { value: 0 },
         depthKind: { value: 1 },
@@ -71,7 +75,7 @@ export const withPasses = (Base) =>
       Object.assign(this, this.made(this.options));
     }
 
-    // Passes and textures of a frame
+    // Creates the passes and textures of a frame with these options.
     made(options) {
       for (const [name, value] of Object.entries(uniformsOf(options))) this.uniforms[name] ??= { value };
       const rows = [...(options.method === 'paper' ? [METRES] : []), ...frame(options)];
@@ -90,10 +94,10 @@ export const withPasses = (Base) =>
         const reads = Object.keys(textures).filter((name) => new RegExp(`(?<!\\.)\\b${name}\\b`).test(row[2]));
         return new ShaderMaterial({
           glslVersion: GLSL3,
-          uniforms: { ...this.uniforms, ...textures }, // the same ones in every pass
+          uniforms: { ...this.uniforms, ...textures }, // all passes share them
           vertexShader: VERTEX,
           fragmentShader: text + fragment(reads, uniforms, row, place, options, opaque),
-          blending: NoBlending, // alpha is the circle of confusion, or a layer's share
+          blending: NoBlending, // alpha is not opacity, but the circle of confusion or a layer's weight
           depthTest: false,
           depthWrite: false,
         });
@@ -108,8 +112,8 @@ export const withPasses = (Base) =>
       return { options, textures, passes, views: shown, beforeView, copy };
     }
 
-    // Other options, of those of the constructor. It resolves when the next frame is drawn with them: until then the
-    // frames are as before, and the shaders are compiled beside them.
+    // Changes some of the constructor's options. The promise resolves when the new shaders are compiled: the next frame
+    // is drawn with the new options. Until then, frames look as before. It rejects if an option is invalid.
     async change(options) {
       const made = this.made(checked('PolygonBokehPass', { ...this.options, ...options }, CHOICES));
       this.resize(made.passes);
@@ -117,16 +121,16 @@ export const withPasses = (Base) =>
       this.changing = made;
       if (renderer) {
         const quads = new Group();
-        // as a FullScreenQuad's: a geometry with normals would be another program
+        // without normals, like the geometry of FullScreenQuad: with normals, three.js would compile another program
         const geometry = new PlaneGeometry(2, 2).deleteAttribute('normal');
         for (const { material } of made.passes) quads.add(new Mesh(geometry, material));
         const before = renderer.getRenderTarget();
-        renderer.setRenderTarget(made.passes[0].target); // colour space and tone mapping are those of a target
+        renderer.setRenderTarget(made.passes[0].target); // a program for a target has no tone mapping and no sRGB
         const compiled = renderer.compileAsync(quads, this.camera);
         renderer.setRenderTarget(before);
         await compiled;
       }
-      // a later change is not undone by an earlier one whose shaders took longer
+      // the new passes replace the old ones, unless another change has begun in the meantime: then drop the new ones
       this.discard(this.changing === made ? this : made);
       if (this.changing === made) Object.assign(this, made);
     }
@@ -141,7 +145,7 @@ export const withPasses = (Base) =>
       for (const { target, scale } of passes) target?.setSize(Math.ceil(x / scale), Math.ceil(y / scale));
     }
 
-    // Draws the frame into a target, null for the canvas; without depth nothing is blurred.
+    // Draws the passes into a target, or for null into the canvas. Without depth, nothing is blurred.
     draw(renderer, output, color, depth) {
       const { uniforms, textures } = this;
       this.renderer = renderer;
@@ -152,10 +156,11 @@ export const withPasses = (Base) =>
       textures.color.value = color;
       textures.depth.value = depth;
       const { autoClearDepth } = renderer;
-      renderer.autoClearDepth = false; // in old versions of three.js the composer's two targets share depth: SharpPass
+      // SharpPass needs the depth later, and in old versions of three.js, both targets of the composer share it
+      renderer.autoClearDepth = false;
       const view = depth && this.views[uniforms.debugMode.value - 1];
       const blurs = depth && uniforms.apertureDiameter.value > 0;
-      // A chain of passes goes on with the colour as it is, but the screen needs it copied.
+      // If nothing is blurred, the next pass reads the input of this one. Only the screen needs a copy.
       this.needsSwap = Boolean(view || blurs);
       const unblurred = this.renderToScreen ? [this.copy] : [];
       for (const { material, target = output } of view ? [...this.beforeView, view] : blurs ? this.passes : unblurred) {
@@ -166,8 +171,9 @@ export const withPasses = (Base) =>
       renderer.autoClearDepth = autoClearDepth;
     }
 
-    // What the depth texture holds, as BokehLinearDepth counts: two channels are depth weighted by opacity. three.js leaves the logarithm of 1 + metres out
-    // for an orthographic camera and for a reversed buffer; it sets reversedDepth.
+    // Returns the kind of depth in the texture, for BokehLinearDepth. A texture with two channels has depth weighted by
+    // opacity. three.js sets reversedDepth. It writes no logarithmic depth for an orthographic camera, or if depth is
+    // reversed.
     depthKind(renderer, depth) {
       if (depth?.format === RGFormat) return 9;
       const { isOrthographicCamera, reversedDepth } = this.camera;

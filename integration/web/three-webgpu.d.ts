@@ -3,15 +3,18 @@ import { type Node, type PassNode, TempNode, type TextureNode } from 'three/webg
 import type { ThreeOptions, WithLens } from './three-common.js';
 
 export interface NodeOptions extends ThreeOptions {
-  /** A layer that is drawn sharp over the picture, behind what is before it: glass. Scene passes of one sample only */
+  /**
+   * A layer whose objects are drawn sharp after the bokeh, and hidden by nearer objects: for glass. It needs a scene
+   * pass with one sample per pixel.
+   */
   sharpLayer?: number;
 }
 
-/** Depth of field for RenderPipeline: before bloom and tone mapping. With WebGL 2 nothing is blurred */
+/** Depth of field for RenderPipeline. Use it before bloom and tone mapping. With WebGL 2, nothing is blurred. */
 export class PolygonBokehNode extends TempNode<'vec4'> {
-  /** Of `pass(scene, camera)` */
+  /** Blurs the scene of a scene pass, `pass(scene, camera)` */
   constructor(scenePass: PassNode, options?: NodeOptions);
-  /** Of any colour, such as a scene pass times ambient occlusion, and of the depth texture that belongs to it */
+  /** Blurs any colour, such as a scene pass times ambient occlusion, with the depth texture that belongs to it */
   constructor(color: Node, depth: TextureNode, camera: Camera, options?: Omit<NodeOptions, 'sharpLayer'>);
 }
 export interface PolygonBokehNode extends WithLens<NodeOptions> {}

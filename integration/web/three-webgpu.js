@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 //
-// Polygonal bokeh for three.js with WebGPURenderer: a node for RenderPipeline, made of the functions of the WGSL
-// library. It reads a scene pass, or any colour node and a depth texture, before bloom and tone mapping. WebGPU only: the
-// WebGL 2 backend does not take WGSL, and there the node shows its input unblurred.
+// Polygonal bokeh for three.js with WebGPURenderer: a node for RenderPipeline. It reads a scene pass, or any colour
+// node and a depth texture. Use it before bloom and tone mapping. Its shaders call the functions of the library, in
+// WGSL. The WebGL 2 backend does not accept WGSL, so the node shows its input without blur there.
 
 import { FloatType, HalfFloatType, NoBlending, Raycaster, RedFormat, Vector2, Vector3 } from 'three/webgpu';
 import { Node, NodeMaterial, NodeUpdateType, QuadMesh, RenderTarget, RendererUtils, VarNode } from 'three/webgpu';
@@ -28,18 +28,18 @@ const INPUTS =
 const SHARP =
   'polygonal-bokeh: sharpLayer needs (scenePass, options). With (color, depth, camera), draw the glass after the bokeh.';
 
-// no blending: alpha is the circle of confusion, or a layer's share
+// Returns a material without blending: alpha is not opacity, but the circle of confusion or a layer's weight
 const material = (fragmentNode) => Object.assign(new NodeMaterial(), { fragmentNode, blending: NoBlending });
 let rendererState;
 
 const targetOf = (renderer) => [renderer.getRenderTarget(), renderer.getActiveCubeFace(), renderer.getActiveMipmapLevel()];
 
-// Renderer -> { calling: whether compileAsync is being called, target: what was set before it goes on }
+// Renderer -> { calling: whether compileAsync is being called, target: the render target to restore afterwards }
 const compiling = new WeakMap();
 
-// New versions of three.js compile in pieces between frames. For each piece they set the target that was set when
-// compileAsync was called, and leave it set: what a frame in between draws onto the canvas would go there. Have them set
-// what was set before the piece. Old versions do not have these methods, nor the defect.
+// Makes compileAsync restore the render target. New versions of three.js compile in pieces, between frames. For each
+// piece, they set the target that was set when compileAsync was called, and do not reset it. A frame between two pieces
+// would then be drawn into that target, instead of the canvas. Old versions have neither these methods nor this bug.
 function compilingOf(renderer) {
   if (!compiling.has(renderer)) {
     const state = { calling: false, target: [null] };
@@ -59,13 +59,14 @@ function compilingOf(renderer) {
   return compiling.get(renderer);
 }
 
-// The node of the texture that holds what `node` computes. Only an expression is drawn into a texture of its own.
+// Returns the node of a texture with the result of `node`. An expression is first drawn into a texture.
 function textureOf(node) {
   const held = node.getTextureNode?.() ?? node;
   return held.isTextureNode && !held.uvNode && !held.levelNode ? held : rtt(held);
 }
 
-// Samples a pixel of a depth texture. A pass sets those of its target only when it is drawn.
+// Returns the number of samples per pixel of a depth texture. For a scene pass, it comes from the options, because a
+// pass sets the samples of its target only when it is drawn.
 function samplesOf({ passNode, value }, renderer) {
   if (passNode?.isPassNode) return passNode.options.samples ?? renderer.samples;
   return value.renderTarget?.samples ?? 0;
@@ -76,16 +77,18 @@ export class PolygonBokehNode extends withLens(Node, { Raycaster, Vector2, Vecto
     return 'PolygonBokehNode';
   }
 
-  // (scenePass, options) or (color, depth, camera, options)
+  // The arguments are (scenePass, options) or (color, depth, camera, options):
   //
   // scenePass  pass(scene, camera)
-  // color      what is blurred: any node, such as a scene pass times ambient occlusion, or what TRAA returns
+  // color      the node to blur: any node, such as a scene pass times ambient occlusion, or the result of TRAA
   // depth      node of the depth texture that belongs to it: scenePass.getTextureNode('depth')
-  // camera     that the depth was drawn with
-  // options    those of PolygonBokehPass but for depthTexture, and
-  //   sharpLayer  a layer that is drawn sharp over the picture, behind what is before it: for glass and other
-  //               transparents, which write no depth: object.layers.set(1), and here 1. From the second frame on, and
-  //               after a resize: three.js makes the target that shares depth anew. With a scene pass only.
+  // camera     the camera that the depth was drawn with
+  // options    the options of PolygonBokehPass except depthTexture, and
+  //   sharpLayer  a layer whose objects are drawn sharp after the bokeh, and hidden by nearer objects: for glass and
+  //               other transparent objects that write no depth. Call object.layers.set(1), and give 1 here. It needs a
+  //               scene pass. The objects appear one frame late, in the beginning and after a resize, because three.js
+  //               then creates the target that shares the depth again.
+  // Throws an Error if an argument or an option is invalid.
   constructor(color, ...others) {
     super('vec4');
     const isPass = Boolean(color?.isPassNode && !others[0]?.isNode);
@@ -98,9 +101,9 @@ export class PolygonBokehNode extends withLens(Node, { Raycaster, Vector2, Vecto
     this.options = checked('PolygonBokehNode', options, CHOICES);
     if (!isPass && this.options.sharpLayer !== undefined) throw new Error(SHARP);
 
-    // To be set from outside. Metres, but for maxCoC (fraction of the image height) and rotation (radians, clockwise on
-    // the screen).
-    // debugMode: 0 off, 1 depth, 2 circle of confusion, 3 near and far field.
+    // The settings, which you may change in every frame: lengths in metres, maxCoC as a fraction of the image height,
+    // and rotation in radians, clockwise on the screen. common.d.ts describes all of them.
+    // debugMode: 0 result, 1 depth, 2 circle of confusion, 3 near and far field
     this.uniforms = {
       debugMode: uniform(0, 'int'),
       depthKind: uniform(1, 'int'),
@@ -108,7 +111,7 @@ export class PolygonBokehNode extends withLens(Node, { Raycaster, Vector2, Vecto
       farPlane: uniform(0),
       imageSize: uniform(new Vector2(1, 1)),
     };
-    // the same for all options: it is what later nodes read
+    // later nodes read this target, so change() keeps it
     this.result = new RenderTarget(1, 1, { type: HalfFloatType, depthBuffer: false });
     this.sharp = this.options.sharpLayer === undefined ? null : new RenderTarget(1, 1, { type: HalfFloatType });
     Object.assign(this, this.made(this.options));
@@ -123,7 +126,7 @@ export class PolygonBokehNode extends withLens(Node, { Raycaster, Vector2, Vecto
     else this.ownCamera = camera;
   }
 
-  // Passes of a frame, still without materials
+  // Creates the passes of a frame with these options, still without materials.
   made(options) {
     for (const [name, value] of Object.entries(uniformsOf(options))) this.uniforms[name] ??= uniform(value);
     const rows = [...(options.method === 'paper' ? [METRES] : []), ...frame(options)];
@@ -140,7 +143,7 @@ export class PolygonBokehNode extends withLens(Node, { Raycaster, Vector2, Vecto
     return { options, passes, views: shown, beforeView, copy };
   }
 
-  // The materials of a frame
+  // Creates the materials of a frame.
   fill({ options, passes, views: shown, copy }) {
     const { given, depthType } = this;
     const inputs = { ...this.uniforms, ...given };
@@ -156,8 +159,8 @@ export class PolygonBokehNode extends withLens(Node, { Raycaster, Vector2, Vecto
     });
   }
 
-  // Other options, of those of the constructor. It resolves when the next frame is drawn with them: until then the
-  // frames are as before, and the shaders are compiled beside them.
+  // Changes some of the constructor's options. The promise resolves when the new shaders are compiled: the next frame
+  // is drawn with the new options. Until then, frames look as before. It rejects if an option is invalid.
   async change(options) {
     const made = this.made(checked('PolygonBokehNode', { ...this.options, ...options }, CHOICES));
     const { renderer } = this;
@@ -167,7 +170,7 @@ export class PolygonBokehNode extends withLens(Node, { Raycaster, Vector2, Vecto
       this.resize(made.passes);
       for (const { target, quad } of made.passes) await this.compile(target, quad); // three.js compiles one at a time
     }
-    // a later change is not undone by an earlier one whose shaders took longer
+    // the new passes replace the old ones, unless another change has begun in the meantime: then drop the new ones
     this.discard(this.changing === made ? this : made);
     if (this.changing === made) Object.assign(this, made);
   }
@@ -179,7 +182,7 @@ export class PolygonBokehNode extends withLens(Node, { Raycaster, Vector2, Vecto
     rendererState = RendererUtils.resetRendererState(renderer, rendererState);
     renderer.setRenderTarget(target);
     const { depth } = renderer;
-    renderer.depth = false; // compileAsync takes this for the target's
+    renderer.depth = false; // compileAsync reads this instead of the target's own setting
     const compiled = renderer.compileAsync(quad, quad.camera);
     renderer.depth = depth;
     RendererUtils.restoreRendererState(renderer, rendererState);
@@ -187,13 +190,13 @@ export class PolygonBokehNode extends withLens(Node, { Raycaster, Vector2, Vecto
     return compiled;
   }
 
-  // Why it cannot draw; three.js logs what setup() throws, and goes on
+  // Returns why the node cannot draw, or ''. updateBefore() throws it: three.js only logs what setup() throws.
   refused({ logarithmicDepthBuffer }) {
-    // For an orthographic camera three.js leaves the logarithm out.
+    // for an orthographic camera, three.js does not write logarithmic depth
     return logarithmicDepthBuffer && !this.camera.isOrthographicCamera ? LOGARITHMIC : '';
   }
 
-  // three.js calls it when the node is first used.
+  // three.js calls this when the node is first used.
   setup(builder) {
     const { color, depth } = this.source;
     Object.assign(builder.getNodeProperties(this), { color, depth }); // so that they are drawn before this node
@@ -203,7 +206,8 @@ export class PolygonBokehNode extends withLens(Node, { Raycaster, Vector2, Vecto
       return color;
     }
     if (!this.refused(builder.renderer)) {
-      // Nodes of their own: three.js would draw a colour that is an expression again for each pass that reads its node.
+      // The passes get new nodes of the textures. If they read the node of an expression, three.js would draw the
+      // expression again for each pass.
       this.given ??= { uv: uv(), color: texture(color.value), depth: texture(depth.value) };
       this.depthType = samplesOf(depth, builder.renderer) > 1 ? 'texture_depth_multisampled_2d' : 'texture_depth_2d';
       this.fill(this);
@@ -211,13 +215,14 @@ export class PolygonBokehNode extends withLens(Node, { Raycaster, Vector2, Vecto
     return passTexture(this, (this.sharp ?? this.result).texture);
   }
 
-  // A pass as a node: a function around its call. three.js reads the names and types of the parameters out of the text,
-  // and fills them by name. It does not know the library's structs, but matrices.
+  // Returns a pass as a node: a function in WGSL around the call of the library. three.js finds the names and types of
+  // the function's parameters in its text, and passes arguments by name. It does not know the library's structs, so a
+  // pass with several targets returns them as the columns of a matrix.
   fragment(row, place, options, inputs, [library, libraryOfDepth], depthType) {
     const [writes, , call, returned] = row;
     const several = writes.length > 1;
     const members = (returned ?? '').split(' ').slice(1);
-    // a column for each; of two or three, the last one again
+    // a column for each target; if there are only two or three targets, the last one fills the rest
     const columns = [0, 1, 2, 3].map((i) => `targets.${members[Math.min(i, members.length - 1)]}`);
     const body = `
     ${declared(row, options, place, true)}
@@ -229,15 +234,15 @@ export class PolygonBokehNode extends withLens(Node, { Raycaster, Vector2, Vecto
     const named = Object.keys(inputs).filter((name) => new RegExp(`(?<![.\\w])${name}\\b`).test(body));
     const parameters = named.map((name) => `${name}: ${type(name)}`).join(', ');
     const code = `fn bokehPass(${parameters}) -> ${several ? 'mat4x4f' : 'vec4f'}\n{${body}}`;
-    // only what is named: three.js binds all that it gets, and a pass may read 16 textures
+    // only those that the body names: three.js binds everything it gets, and a pass may read at most 16 textures
     const given = Object.fromEntries(named.map((name) => [name, inputs[name]]));
-    // toVar() would call it in the shader of the canvas as well, where setup() runs
+    // toVar() would also add the call to the shader of the canvas, because setup() runs there
     const value = nodeObject(new VarNode(wgslFn(code, ['depth' in given ? libraryOfDepth : library])(given)));
     if (several) return outputStruct(...writes.map((_, i) => value.element(i)));
     return options.opaque && !options.alpha && writes[0] === 'result' ? vec4(value.rgb, 1) : value;
   }
 
-  // Draws the passes. three.js calls it once in a frame, after the scene.
+  // Draws the passes. three.js calls this once per frame, after it has drawn the scene.
   updateBefore({ renderer }) {
     if (this.stepsAside) return;
     const problem = this.refused(renderer);
@@ -245,29 +250,29 @@ export class PolygonBokehNode extends withLens(Node, { Raycaster, Vector2, Vecto
     const { color, depth } = this.source;
     const { depthKind, nearPlane, farPlane, imageSize, debugMode, apertureDiameter, frame: number } = this.uniforms;
     this.renderer = renderer;
-    // 1 perspective, 2 perspective reversed, 5 orthographic, 6 orthographic reversed; the renderer sets reversedDepth
+    // 1 perspective, 2 reversed perspective, 5 orthographic, 6 reversed orthographic; the renderer sets reversedDepth
     depthKind.value = (this.camera.isOrthographicCamera ? 5 : 1) + (this.camera.reversedDepth ? 1 : 0);
     nearPlane.value = this.camera.near;
     farPlane.value = this.camera.far;
     imageSize.value.set(...this.size);
-    this.given.color.value = color.value; // which may be another one in each frame
+    this.given.color.value = color.value; // it may be another texture in each frame
     this.given.depth.value = depth.value;
     if (number) number.value += 1;
     this.resize(this.passes);
 
     rendererState = RendererUtils.resetRendererState(renderer, rendererState);
     const view = this.views[debugMode.value - 1];
-    // later nodes read the result, so that the colour is copied there where nothing is blurred
+    // Later nodes read the result. If nothing is blurred, the colour is therefore copied into it.
     const drawn = apertureDiameter.value > 0 ? this.passes : [this.copy];
     for (const { quad, target } of view ? [...this.beforeView, view] : drawn) {
       renderer.setRenderTarget(target);
-      renderer.render(quad, quad.camera); // quad.render has a vertex shader that compileAsync does not know
+      renderer.render(quad, quad.camera); // quad.render would need a vertex shader that was not compiled
     }
     if (this.sharp) this.drawSharp(renderer);
     RendererUtils.restoreRendererState(renderer, rendererState);
   }
 
-  // The picture once more, and over it the layer, with the depth that the scene has
+  // Copies the result, and draws the objects of the sharp layer over it, with the depth of the scene.
   drawSharp(renderer) {
     const { sharp, camera } = this;
     const { scene, renderTarget } = this.scenePass;
@@ -279,7 +284,7 @@ export class PolygonBokehNode extends withLens(Node, { Raycaster, Vector2, Vecto
       this.copy = new QuadMesh(material(texture(this.result.texture)));
       Object.assign(this.copy.material, { depthTest: false, depthWrite: false });
       sharp.depthTexture = depthTexture;
-      depthTexture.renderTarget = renderTarget; // whose it remains
+      depthTexture.renderTarget = renderTarget; // which remains its owner
     }
     scene.traverse((object) => object.isLight && object.layers.enable(this.options.sharpLayer));
     renderer.setRenderTarget(sharp);
@@ -292,7 +297,7 @@ export class PolygonBokehNode extends withLens(Node, { Raycaster, Vector2, Vecto
     Object.assign(scene, { background });
   }
 
-  // Of what is blurred: [width, height]
+  // Size of the input: [width, height]
   get size() {
     const { width, height } = this.source.color.value.image;
     return [width, height];

@@ -4,26 +4,32 @@ import type { RenderPass } from 'three/addons/postprocessing/RenderPass.js';
 import type { ThreeOptions, WithLens } from './three-common.js';
 
 export interface PassOptions extends ThreeOptions {
-  /** Of the scene, where it is not that of the composer's target */
+  /** Depth of the scene, if it is not the depth of the composer's target */
   depthTexture?: Texture;
 }
 
-/** Depth of field after a RenderPass, before bloom and OutputPass */
+/** Depth of field for EffectComposer. Add it after a RenderPass, and before bloom and OutputPass. */
 export class PolygonBokehPass extends Pass {
   constructor(camera: Camera, options?: PassOptions);
 }
 export interface PolygonBokehPass extends WithLens<PassOptions> {}
 
-/** For `depthTexture`, where passes stand between a RenderPass and the bokeh: a copy of the depth that it drew */
+/**
+ * Returns a texture for the option `depthTexture`, with a copy of the depth that a RenderPass draws. You need it if
+ * there are passes between the RenderPass and the bokeh, because they clear the depth.
+ */
 export function depthOf(renderPass: RenderPass): Texture;
 
 /**
- * For `depthTexture`: the scene is drawn once more, for its depth weighted by opacity. Glass, particles and hair then get a
- * blur between their own and that of what is behind them
+ * Returns a texture for the option `depthTexture`, with depth weighted by opacity: a pixel of glass, particles or hair
+ * is then blurred as if it lay between the surface and the background. The scene is drawn a second time for this.
  */
 export function depthWithOpacity(renderPass: RenderPass): Texture;
 
-/** After the bokeh: what is on a layer of its own (1), sharp over the picture, behind what is before it: glass */
+/**
+ * Draws the objects of a layer (1 by default) sharp, and hidden by nearer objects: for glass. Add it after the bokeh,
+ * and put the objects on this layer.
+ */
 export class SharpPass extends Pass {
   constructor(bokeh: PolygonBokehPass, scene: Scene, layer?: number);
 }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
-// Polygonal bokeh for three.js with WebGLRenderer: a Pass for EffectComposer. It stands after the RenderPass, before bloom
-// and before OutputPass.
+// Polygonal bokeh for three.js with WebGLRenderer: a Pass for EffectComposer. Add it after the RenderPass, and before
+// bloom and OutputPass.
 
 import { AlwaysDepth, HalfFloatType, ShaderMaterial, WebGLRenderTarget } from 'three';
 import { FullScreenQuad, Pass } from 'three/addons/postprocessing/Pass.js';
@@ -12,10 +12,11 @@ const GIVE_DEPTH =
   'and the bokeh, depthTexture: depthOf(renderPass).';
 const NO_DEPTH = `polygonal-bokeh: no depth, so nothing is blurred. ${GIVE_DEPTH}`;
 const EMPTY_DEPTH = `polygonal-bokeh: the depth is empty, so all is blurred as if it were far away. ${GIVE_DEPTH}`;
-// The frame in which it looks whether the depth is empty: by then there is something in most scenes
+// Number of the frame in which the pass checks whether the depth is empty: by then, most scenes show something
 const LOOK = 30;
 
-// A quad that copies depth into colour and, by the options of its material, into a depth buffer
+// Returns a quad that copies depth into colour. If the options of its material allow, it also copies into a depth
+// buffer.
 const copier = (options) =>
   new FullScreenQuad(
     new ShaderMaterial({
@@ -27,8 +28,8 @@ const copier = (options) =>
     }),
   );
 
-// For the option depthTexture, where passes stand between a RenderPass and the bokeh, which clear the depth that it drew:
-// a copy of that depth
+// Returns a texture for the option depthTexture, with a copy of the depth that a RenderPass draws. You need it if there
+// are passes between the RenderPass and the bokeh, because they clear the depth.
 export function depthOf(renderPass) {
   const { render, dispose } = renderPass;
   const target = new WebGLRenderTarget(1, 1, { ...FLOAT, depthBuffer: false });
@@ -59,7 +60,8 @@ export class PolygonBokehPass extends withPasses(Pass) {
     if (depth && !depthTexture && this.frames === LOOK) this.look(renderer);
   }
 
-  // Warns where the depth buffer holds the same everywhere: seen at 16 x 16 points, beside the frames that follow.
+  // Warns if the depth buffer has the same value everywhere. It reads back 16 x 16 points, while the next frames are
+  // drawn.
   async look(renderer) {
     const target = new WebGLRenderTarget(16, 16, { type: HalfFloatType, depthBuffer: false });
     this.quad.material = this.views[0].material;
@@ -71,11 +73,11 @@ export class PolygonBokehPass extends withPasses(Pass) {
   }
 }
 
-// After the bokeh: what is on a layer of its own is drawn sharp over the picture, behind what is before it. For glass and
-// other transparents, which write no depth.
+// Draws the objects of a layer sharp, and hidden by nearer objects. Use it for glass and other transparent objects that
+// write no depth. Add it after the bokeh.
 export class SharpPass extends Pass {
-  // bokeh  the pass whose depth counts
-  // layer  of the objects: object.layers.set(layer). The scene's lights are put on it too.
+  // bokeh  the PolygonBokehPass, whose depth decides what is hidden
+  // layer  the layer of the objects: call object.layers.set(layer). The pass also puts the lights of the scene on it.
   constructor(bokeh, scene, layer = 1) {
     super();
     Object.assign(this, { bokeh, scene, layer, needsSwap: false });

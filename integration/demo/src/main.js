@@ -1,4 +1,4 @@
-// The page: its controls and state, what it draws when, and what pointer and keys do.
+// The page: its controls, its state, what it draws when the state changes, and what the pointer and the keys do.
 
 import { dropped, embedded } from "./pictures.js";
 import { frame } from "./plan.js";
@@ -6,17 +6,17 @@ import { median, steady } from "./steady.js";
 import * as view from "./view.js";
 import data from "../data/page.json";
 
-const PULL = 0.12; // seconds in which a pull of focus goes 63 % of its way, in dioptres
+const PULL = 0.12; // time constant in seconds: in this time, 1 / focus distance covers 63 % of its way to a new focus
 const SIDES = ["left", "right"];
-const IDLE = 500; // milliseconds without a change, after which it is measured how long a frame takes
-const LENS = { stop: 2.8, scale: 10 }; // that of every integration
+const IDLE = 500; // after so many milliseconds without a change, the page measures how long a frame takes
+const LENS = { stop: 2.8, scale: 10 }; // the default of every integration
 const byId = (id) => document.getElementById(id);
 
 const METHODS = { input: "input", paper: "paper", exact: "exact", layered: "layered", truth: "ray traced", ...data.others };
 const power = (x) => 2 ** x;
 const clamp = (value, least, most) => Math.min(Math.max(value, least), most);
-// name -> text, least, most and step of the slider, of what function of the value (and back), and how it is written; the
-// state may lie between the steps
+// Name -> [label; smallest position, largest position and step of the slider; functions from the value to the position,
+// from the position to the value, and from the value to its text]. The value in the state may lie between the steps.
 const SLIDERS = {
   stop: ["f-stop", -1.6, 4, 0.05, Math.log2, power, (v) => `f/${v.toFixed(v < 10 ? 2 : 1)}`],
   scale: ["bokeh scale", 0, 20, 0.5, Number, Number, (v) => v.toFixed(v % 1 ? 1 : 0)],
@@ -29,14 +29,14 @@ const SLIDERS = {
 const scenes = [...data.scenes];
 const state = { scene: 0, left: "input", right: "layered", split: 0.5, preset: "medium", blades: 6, squeeze: 1 };
 const drawn = {}; // side -> { key, name, facts }
-let work = Promise.resolve(); // what is drawn and loaded, one after the other
-let scheduled = false; // whether a picture is on its way
-let current = null; // the scene's pictures
-let pointer = null; // texel under it
-let measuring = 0; // the timer of a measurement that is due
-let pull = null; // where focus is pulled to, metres
+let work = Promise.resolve(); // the queue of jobs that draw or load, one after the other
+let scheduled = false; // whether the queue already has a job that draws the new state
+let current = null; // the images of the scene
+let pointer = null; // texel under the pointer
+let measuring = 0; // timer of the next measurement
+let pull = null; // the focus distance, in metres, to which the focus is moving
 
-// Change the state; resolves when everything is drawn, a pull of focus to its end.
+// Changes the state. Resolves when everything is drawn, and the focus has stopped moving.
 function change(changes) {
   Object.assign(state, changes);
   if (!scheduled) after(() => new Promise(requestAnimationFrame).then(step));
@@ -44,7 +44,7 @@ function change(changes) {
   return work;
 }
 
-// Do something when all that was begun is done: it may still use the pictures.
+// Runs a job after all jobs that have begun, because they may still use the images.
 function after(job) {
   work = work.then(job).catch(say);
   return work;
@@ -74,7 +74,8 @@ async function drawBoth() {
   measuring = setTimeout(() => after(measure), IDLE);
 }
 
-// How long a frame of each side takes, told where it is steady: drawn again some times while nothing else happens.
+// Measures how long a frame of each side takes, and shows the time if it is steady. To do so, it draws the frame
+// several times, and stops as soon as the state changes.
 async function measure() {
   for (const side of SIDES) {
     const made = drawn[side];
@@ -89,7 +90,7 @@ async function measure() {
   tell();
 }
 
-// Focus goes a part of its way; a slow device sees some of it too.
+// Moves the focus by one step. The time of a step is limited, so that the movement is visible on a slow device too.
 function pullFocus(seconds) {
   const goal = 1 / pull;
   const left = (1 / state.focus - goal) * Math.exp(-clamp(seconds, 0.005, 2 * PULL) / PULL);
@@ -97,7 +98,7 @@ function pullFocus(seconds) {
   if (state.focus === pull) pull = null;
 }
 
-// Draw a side where its settings are others than those it has been drawn with.
+// Draws a side if its settings have changed since it was last drawn.
 async function render(side) {
   const { [side]: method, stop, scale, focal, focus, blades, rotation, squeeze, preset } = state;
   if (method === "truth" && !current.truth) {
@@ -123,7 +124,7 @@ async function render(side) {
   drawn[side] = { key, name: "result", passes, facts: `${passes.length} passes` };
 }
 
-// Show the state beside what is drawn.
+// Shows the state in the controls, and the facts about each side.
 function tell() {
   for (const side of SIDES) {
     byId(side).value = state[side];
@@ -141,7 +142,8 @@ function tell() {
   tellUnder();
 }
 
-// Depth under the pointer, and the circle of confusion: alpha of the map that a method has drawn.
+// Shows the depth under the pointer, and the circle of confusion, which is the alpha of the map that a method has
+// drawn.
 function tellUnder() {
   if (!pointer) return;
   const [x, y] = pointer;
@@ -157,7 +159,7 @@ function tellUnder() {
   byId("under").textContent = said;
 }
 
-// The lens that a scene was ray traced with, where the controls have another.
+// Returns a text about the lens with which the scene was ray traced, or "" if the controls have the same lens.
 function ofTruth() {
   const traced = tracedLens();
   const same = Object.entries(traced).every(([name, value]) => state[name] === value);
@@ -169,7 +171,7 @@ function tracedLens() {
   return { stop: traced, scale: LENS.scale, focal, focus, rotation, squeeze: 1, blades: 6 };
 }
 
-// Show a scene of the list.
+// Shows a scene of the list.
 async function choose(index) {
   const scene = scenes[index];
   say("");
@@ -194,7 +196,7 @@ function take(index, pictures) {
   byId("frame").style.setProperty("--high", height);
   byId("traced").disabled = !pictures.loadTruth;
   state.scene = index;
-  // something to look at while programs are compiled
+  // show the input while programs are compiled
   view.show("color", "color", state.split, 1);
 }
 
@@ -204,13 +206,13 @@ function reset() {
   return change({ ...LENS, focal, focus, rotation: 0, squeeze: 1, blades: 6, exposure });
 }
 
-// The lens that the truth of a scene was ray traced with
+// Sets the lens with which the scene was ray traced.
 function traced() {
   pull = null;
   return change(current.loadTruth ? tracedLens() : {});
 }
 
-// Take files that were dropped or chosen.
+// Loads files that the user has dropped or chosen.
 async function open(files) {
   try {
     scenes.splice(data.scenes.length, 1, await dropped([...files]));
@@ -225,7 +227,7 @@ function listScenes() {
   byId("scene").replaceChildren(...scenes.map(({ name }, index) => new Option(name, index)));
 }
 
-// Focus on what is under the pointer.
+// Focuses on the object under the pointer.
 function focusAt(event) {
   point(event);
   const box = byId("canvas").getBoundingClientRect();
@@ -247,7 +249,7 @@ function point(event) {
 
 function key(event) {
   if (!current || event.ctrlKey || event.altKey || event.metaKey || event.target.matches("select")) return;
-  if (event.target.matches("input") && event.key.startsWith("Arrow")) return; // its own
+  if (event.target.matches("input") && event.key.startsWith("Arrow")) return; // a slider handles its arrows itself
   const sides = Object.keys(data.apertures).map(Number);
   const actions = {
     ArrowLeft: () => change({ split: clamp(state.split - 0.02, 0, 1) }),

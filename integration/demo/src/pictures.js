@@ -1,17 +1,18 @@
-// Pictures with depth: those in the page, and files of somebody's own.
+// Loads images with depth: the scenes of the page, and the user's own files. Images have the form that job.js
+// describes.
 
 import { FloatType, HalfFloatType, RedFormat } from "three";
 import { EXRLoader } from "three/addons/loaders/EXRLoader.js";
 import { upsideDown } from "@validation/lab/other_effects/page/feed.js";
 
-const WIDEST = 1920; // a PNG is made so wide at the most
-const FAR = 100; // metres, of black in a depth picture; white is 1 metre
-// name of a scene's file -> its address: in the built page the file itself
+const WIDEST = 1920; // pixels; a wider PNG is made smaller
+const FAR = 100; // metres that black means in a depth image; white means 1 metre
+// Name of a scene's file -> its address. If the page is one HTML file, the address contains the file.
 const FILES = import.meta.glob("../data/*.exr", { query: "?url", import: "default", eager: true });
-const TOGETHER = [4, 8, 9]; // PIZ, DWAA, DWAB
+const TOGETHER = [4, 8, 9]; // numbers of the compressions PIZ, DWAA and DWAB
 
-// { color, depth, truth: null, loadTruth() } of a scene of the page: images as in job.js. The truth is as large as the
-// picture, so it is loaded when it is asked for.
+// Loads a scene of the page. Returns { color, depth, truth: null, loadTruth() }. The ray-traced image (truth) is as
+// large as the input, so it is only loaded when it is needed.
 export async function embedded(name) {
   const read = async (kind) => {
     const file = await fetch(FILES[`../data/${name}_${kind}.exr`]);
@@ -20,8 +21,9 @@ export async function embedded(name) {
   return { ...(await read("pinhole")), truth: null, loadTruth: async () => (await read("truth")).color };
 }
 
-// The same of files, with a lens for what comes without: an EXR with R G B Z, or two pictures, the one whose name has
-// "depth" in it being depth (white is near). Throws an Error with one line.
+// Loads the user's files: an EXR with the channels R, G, B and Z, or two images, of which the one with a name such as
+// depth.png is the depth (white is near). Returns { name, color, depth, truth: null, focal, focus, exposure }. Its lens
+// is a default: 50 mm, focused on the middle of the image. Throws an Error with a message of one line.
 export async function dropped(files) {
   const isDepth = (file) => /depth|disparity|_z\b/i.test(file.name);
   const file = files.find((file) => !isDepth(file)) ?? files[0];
@@ -48,7 +50,8 @@ async function decoded(file) {
   }
 }
 
-// A PNG or whatever the browser reads: sRGB made linear. It has no light beyond white, and no depth.
+// Reads a PNG, or another format that the browser knows, and converts it from sRGB to linear colour. Such an image has
+// nothing brighter than white, and no depth.
 async function readPicture(file) {
   const bitmap = await createImageBitmap(file, { colorSpaceConversion: "none", premultiplyAlpha: "none" });
   const share = Math.min(1, WIDEST / bitmap.width);
@@ -62,7 +65,7 @@ async function readPicture(file) {
   return { color: { size, format: "rgba32float", data }, depth: null, bytes };
 }
 
-// Metres of a depth picture: the Z of an EXR, or grey levels as reciprocal depth.
+// Returns the metres of a depth image: channel Z of an EXR, or grey levels, which are reciprocal depths.
 function depthOf({ color: { size }, depth, bytes }) {
   if (!bytes) return depth;
   const metres = (byte) => 1 / (1 / FAR + (1 - 1 / FAR) * (byte / 255));
@@ -70,14 +73,15 @@ function depthOf({ color: { size }, depth, bytes }) {
   return { size, format: "r32float", data };
 }
 
-// { color, depth: metres of channel Z, or null } of an EXR. Throws an Error that says what it cannot read.
+// Reads an EXR. Returns { color, depth: metres of channel Z, or null }. Throws an Error that says what it cannot read.
 function readExr(bytes) {
   const channels = channelsOf(bytes);
   const rgb = channels.filter(({ name }) => ["R", "G", "B", "A"].includes(name));
   if (rgb.length < 3) throw new Error(`no channels R G B; it has ${channels.map(({ name }) => name).join(" ") || "none"}`);
   if (new Set(rgb.map(({ type }) => type)).size > 1) throw new Error("R, G and B are of different types");
   if (channels.some(({ subsampled }) => subsampled)) throw new Error("a channel is subsampled");
-  // the loader takes all channels of PIZ and DWA for one type, and of a PIZ with two it never comes back
+  // with PIZ and DWA, the loader assumes that all channels have the same type; for a PIZ with two types, it never
+  // returns
   const together = TOGETHER.includes(bytes[attribute(bytes, "compression", "compression")]);
   if (together && channels.some(({ type }) => type !== rgb[0].type)) throw new Error("channels of two types; save it with ZIP");
   const half = rgb[0].type === 1;
@@ -85,21 +89,22 @@ function readExr(bytes) {
   const size = [picture.width, picture.height];
   const color = { size, format: half ? "rgba16float" : "rgba32float", data: upsideDown(picture.data, picture) };
   if (channels.every(({ name }) => name !== "Z")) return { color, depth: null };
-  // the loader reads colour or luminance, not depth: the same file with Y for Z, and no R G B
+  // The loader reads colour or luminance, but not depth. So rename Z to Y, rename R, G and B too, and load the file
+  // again.
   for (const { name, at } of channels) if (name.length === 1) bytes[at] = (name === "Z" ? "Y" : "x").charCodeAt(0);
   const luminance = new EXRLoader().setDataType(FloatType).setOutputFormat(RedFormat).parse(bytes.buffer);
   return { color, depth: { size, format: "r32float", data: upsideDown(luminance.data, luminance) } };
 }
 
-// Place of an attribute's value in the header.
+// Returns the position of an attribute's value in the header. Throws an Error if there is no such attribute.
 function attribute(bytes, name, type) {
   const mark = `${name}\0${type}\0`;
   const begin = new TextDecoder("latin1").decode(bytes.subarray(0, 65536)).indexOf(mark);
   if (begin < 0) throw new Error("not an EXR file");
-  return begin + mark.length + 4; // its length
+  return begin + mark.length + 4; // 4 bytes have the length of the value
 }
 
-// [{ name, type: 1 is half, subsampled, at: place of the name }]
+// Returns [{ name, type (1 means half floats), subsampled, at: position of the name }].
 function channelsOf(bytes) {
   const channels = [];
   let at = attribute(bytes, "channels", "chlist");
@@ -107,7 +112,7 @@ function channelsOf(bytes) {
     const end = bytes.indexOf(0, at);
     const name = new TextDecoder().decode(bytes.subarray(at, end));
     channels.push({ name, type: bytes[end + 1], subsampled: bytes[end + 9] !== 1 || bytes[end + 13] !== 1, at });
-    at = end + 17; // type, linearity, sampling
+    at = end + 17; // skip type, linearity and sampling
   }
   return channels;
 }

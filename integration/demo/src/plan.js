@@ -1,8 +1,8 @@
-// The passes of a frame: those of the harness (methods.plan, written into the page), with the controls in place of what
-// the page was made with.
+// The passes of a frame. The harness (methods.plan) has written them into the page; here, they get the values of the
+// controls.
 
-// settings: { method, blades, preset, rotation (degrees), squeeze, stop, scale, focal, focus (metres) }
-// Returns [{ fragment, inputs, targets, size, values }].
+// Returns the passes of a frame: [{ fragment, inputs, targets, size, values }].
+//   settings  { method, blades, preset, rotation (degrees), squeeze, stop, scale, focal (metres), focus (metres) }
 export function frame({ plans, passes, apertures, glsl, sensor, maxCoC }, settings, [width, height]) {
   const name = `${settings.method} ${apertures[settings.blades]}`;
   const lens = {
@@ -25,7 +25,7 @@ export function frame({ plans, passes, apertures, glsl, sensor, maxCoC }, settin
   }));
 }
 
-// The lines of a pass with the aperture turned.
+// Returns the values of a pass, with the aperture rotated.
 function turned(values, degrees) {
   const angle = (degrees * Math.PI) / 180;
   const [c, s] = [Math.cos(angle), Math.sin(angle)];

@@ -1,14 +1,15 @@
-// Whether a time is worth telling: the first frames compile, and a device that other programs use too gives any number.
+// Decides whether a measured time is steady enough to show. During the first frames, programs are compiled, and if
+// other programs use the device too, the times vary.
 
-const COUNT = 5; // the last times that are looked at
-const SPREAD = 0.15; // of their median, at the most
+const COUNT = 5; // number of last times that are compared
+const SPREAD = 0.15; // largest difference between them, as a fraction of their median
 
 const sorted = (times) => times.slice(-COUNT).sort((a, b) => a - b);
 
-// Of the last five times
+// Returns the median of the last five times.
 export const median = (times) => sorted(times)[COUNT >> 1];
 
-// Whether the last five lie within 15 % of their median
+// Returns whether the last five times differ by at most 15 % of their median.
 export function steady(times) {
   const last = sorted(times);
   return last.length === COUNT && last.at(-1) - last[0] <= SPREAD * last[COUNT >> 1];

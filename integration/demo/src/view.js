@@ -1,9 +1,10 @@
-// Draws the frames of both sides and shows them beside each other: WebGL 2, by the code that the validation draws with.
+// Draws the frames of both sides, and shows them side by side, in WebGL 2, with the code that the validation draws
+// with.
 
 import { draw, linked, onto, read, start, texture } from "@validation/bokeh_validation/browser/page/webgl2.js";
 
-// Both pictures, exposed by a filmic curve (Narkowicz's fit of ACES) as in the documentation's. v = 0 is the first row
-// of a picture, and the bottom one of a canvas.
+// Shows both images, with a filmic curve (Narkowicz's fit of ACES), as for the images of the documentation. v = 0 is
+// the first row of an image, but the bottom row of the canvas.
 const SHOW = `#version 300 es
 precision highp float;
 uniform sampler2D BokehLeft, BokehRight;
@@ -23,7 +24,7 @@ void main()
 let gl = null;
 let canvas = null;
 let vertex = "";
-const images = new Map(); // color, depth, truth of the scene, and "side name" -> { size, handle }
+const images = new Map(); // color, depth and truth of the scene, and "SIDE NAME" for other images -> { size, handle }
 
 export function open(element, data) {
   canvas = element;
@@ -31,7 +32,7 @@ export function open(element, data) {
   gl = start(canvas);
 }
 
-// Take other pictures: images as in job.js; truth may be null.
+// Replaces the images of the scene. They have the form that job.js describes; truth may be null.
 export function load({ color, depth, truth }) {
   for (const { handle } of images.values()) gl.deleteTexture(handle);
   images.clear();
@@ -43,7 +44,7 @@ export function largest() {
   return gl.getParameter(gl.MAX_TEXTURE_SIZE);
 }
 
-// Take an image: of a side what another has drawn.
+// Stores an image, for example one that another library has drawn for a side.
 export function put(key, image) {
   if (images.has(key)) gl.deleteTexture(images.get(key).handle);
   images.set(key, { size: image.size, handle: texture(image) });
@@ -53,7 +54,7 @@ function imageOf(side, name) {
   return images.get(name) ?? images.get(`${side} ${name}`);
 }
 
-// Draw the passes of a side and wait for the end; returns milliseconds, without those of compiling.
+// Draws the passes of a side, and waits until the GPU is done. Returns the time in milliseconds, without compiling.
 export function run(side, passes) {
   for (const { fragment } of passes) linked(vertex, fragment);
   const handleOf = (name) => imageOf(side, name)?.handle;
@@ -65,24 +66,24 @@ export function run(side, passes) {
     const textures = Object.fromEntries(pass.inputs.map(({ image }) => [image, handleOf(image)]));
     onto(targets.map(handleOf), () => draw({ ...pass, area: [0, 0, ...size] }, vertex, textures));
   }
-  read(handleOf("result"), [1, 1]); // what is read has to be drawn
+  read(handleOf("result"), [1, 1]); // reading a pixel waits until everything is drawn
   return performance.now() - before;
 }
 
-// Red, green, blue, alpha of a texel of what a side shows or has drawn.
+// Returns red, green, blue and alpha of a texel of an image that a side shows or has drawn.
 export function texel(side, name, [x, y]) {
   const value = new Float32Array(4);
   onto([imageOf(side, name).handle], () => gl.readPixels(x, y, 1, 1, gl.RGBA, gl.FLOAT, value));
   return value;
 }
 
-// An image as job.js has it, of what a side shows or has drawn.
+// Returns an image that a side shows or has drawn, in the form that job.js describes.
 export function picture(side, name) {
   const { handle, size } = imageOf(side, name);
   return read(handle, size);
 }
 
-// Show both sides on the canvas: the names of their pictures.
+// Shows both sides on the canvas. `left` and `right` are the names of their images.
 export function show(left, right, split, exposure) {
   const textures = { left: imageOf("left", left).handle, right: imageOf("right", right).handle };
   const inputs = [

@@ -1,7 +1,7 @@
-// Works the page's controls as a hand would, and reads what it shows. The functions run in the page.
+// Uses the page's controls as a user does, and reads what the page shows. The functions run in the page.
 
-// Set controls to values, as they are after an "input" or "change" of each, then values of the state, which may lie between
-// the steps of a slider. Returns what the page says.
+// Sets controls to `values`, each with its "input" or "change" event. Then sets the state to `exactly`, whose values
+// may lie between the steps of a slider. Returns the state, and the texts that the page shows.
 export async function set([values, exactly]) {
   const byId = (id) => document.getElementById(id);
   for (const [id, value] of Object.entries(values)) {
@@ -13,12 +13,12 @@ export async function set([values, exactly]) {
   return { ...bokeh.state, facts, under, said };
 }
 
-// The pictures of these names on a side: [name, image as job.js has it].
+// Returns the images of a side with these names: [name, image in the form that job.js describes].
 export function pictures([side, names]) {
   return names.map((name) => [name, bokeh.picture(side, name)]);
 }
 
-// The canvas: RGBA in base64, first row on top.
+// Returns the pixels of the canvas: RGBA in base64, beginning with the top row.
 export async function canvas() {
   await bokeh.change({});
   const element = document.getElementById("canvas");
@@ -27,13 +27,13 @@ export async function canvas() {
   return new Uint8Array(context.getImageData(0, 0, element.width, element.height).data.buffer).toBase64();
 }
 
-// Give the page files, [[name, base64], ..]; returns what it says.
+// Opens files, [[name, base64], ..], in the page. Returns the message that the page shows.
 export async function open(files) {
   await bokeh.open(files.map(([name, data]) => new File([Uint8Array.fromBase64(data)], name)));
   return document.getElementById("said").textContent;
 }
 
-// Note the focus in every frame from the first call on; returns what was noted.
+// Stores the focus distance in every frame from the first call on. Returns all stored distances.
 export function focuses() {
   const noted = (window.noted ??= []);
   const note = () => requestAnimationFrame(() => (noted.push(bokeh.state.focus), note()));

@@ -1,7 +1,10 @@
-// The built page, opened from disk and from a host in headless Chromium and worked by its controls.
+// Tests the built page in headless Chromium, opened from disk and from a host, with its controls.
 //
-// BOKEH_PAGE names a folder that validation/lab/tests/test_demo.py writes: page.html; site/, the page for a host; given/, files to open, and cases.json,
-// what to draw of them; drawn/, where the pictures are left that Python compares with the reference.
+// The environment variable BOKEH_PAGE names a folder that validation/lab/tests/test_demo.py writes. It contains:
+//   page.html  the page as one file
+//   site/      the page for a host
+//   given/     files to open, and cases.json, which says what to draw from them
+//   drawn/     the folder for the images, which Python compares with the reference
 
 import assert from "node:assert/strict";
 import { readFileSync, statSync, writeFileSync } from "node:fs";
@@ -14,8 +17,8 @@ import * as hand from "./hand.js";
 
 const FOLDER = process.env.BOKEH_PAGE;
 const given = (name) => readFileSync(`${FOLDER}/given/${name}`);
-const SIZE = [960, 540]; // of market_7
-const FOCUS = 2.42; // metres, with which it comes
+const SIZE = [960, 540]; // size of the scene market_7
+const FOCUS = 2.42; // focus distance of that scene in metres
 
 let browser;
 let page;
@@ -38,7 +41,7 @@ const set = (values, exactly = {}) => page.evaluate(hand.set, [values, exactly])
 const opened = (...files) => page.evaluate(hand.open, files.map(([name, data]) => [name, data.toString("base64")]));
 const choose = (index) => page.evaluate((index) => bokeh.choose(index), index);
 
-// Leave pictures of a side in drawn/, as "CASE NAME.f32"
+// Writes images of a side to drawn/, as "LABEL NAME.f32".
 async function leave(label, side, names) {
   for (const [name, image] of await page.evaluate(hand.pictures, [side, names])) {
     assert.equal(image.format, "rgba32float");
@@ -118,9 +121,10 @@ test("controls: sliders, lists, divider, a click that focuses, the readout, keys
   assert.match(said.facts, /^\d passes$/);
   const box = await page.locator("#canvas").boundingBox();
   const depth = new Float32Array(Uint8Array.from(given("market_7 depth.f32")).buffer);
-  // the middle of a texel, on the screen
+  // returns the position of the middle of a texel on the screen
   const at = (x, y) => [box.x + ((x + 0.5) * box.width) / SIZE[0], box.y + ((y + 0.5) * box.height) / SIZE[1]];
-  // [least, most] depth where the pointer can be: a click is on a whole pixel of the screen
+  // returns the smallest and the largest depth around a texel: a click hits a whole pixel of the screen, which may lie
+  // in a neighbouring texel
   const near = (x, y) => {
     const rows = [y - 1, y, y + 1].flatMap((row) => [...depth.subarray(row * SIZE[0] + x - 1, row * SIZE[0] + x + 2)]);
     return [Math.min(...rows), Math.max(...rows)];
@@ -158,7 +162,7 @@ test("controls: sliders, lists, divider, a click that focuses, the readout, keys
   const [metres, pixels] = /^\d+, \d+: (\S+) m, CoC (\S+) pixels far$/.exec(under).slice(1).map(Number);
   const [least, most] = near(300, 60);
   between(metres, 0.99 * least, 1.01 * most, "the depth under the pointer");
-  // a lens of 50 mm at f/1, a sensor of 24 mm, at the most 0.15 of the height
+  // for a lens of 50 mm at f/1 and a sensor of 24 mm; the page limits the CoC to 0.15 of the image height
   const coc = Math.min((0.05 * 0.05 * (metres - focus)) / (metres * (focus - 0.05)) / 0.024, 0.15) * SIZE[1];
   between(pixels, 0.98 * coc, 1.02 * coc, "the circle of confusion");
 
@@ -167,7 +171,7 @@ test("controls: sliders, lists, divider, a click that focuses, the readout, keys
     for (const name of names) await page.keyboard.press(name);
     return set({});
   };
-  // a slider keeps its arrows
+  // a slider handles its arrows itself, so they do not move the split
   const changed = await keys("#stop", "ArrowRight", "x", "]", "b");
   between(changed.stop, 2 ** 0.3 - 1e-6, 2 ** 0.3 + 1e-6, "the f-stop");
   assert.equal(changed.split, split);
@@ -203,7 +207,8 @@ test("the page asks for nothing outside itself, and writes no error", () => {
   assert.deepEqual(errors, []);
 });
 
-// The page for a host, from a folder of it, on a screen of this size: { page, bytes: of what was loaded, by name }
+// Opens the page for a host, in a folder of that host, on a screen of this size. Returns { page, bytes: name of each
+// file that was loaded -> its size }.
 async function hosted(width, height) {
   const other = await browser.newPage({ viewport: { width, height } });
   const bytes = {};

@@ -1,4 +1,4 @@
-"""Depth of field with polygonal bokeh for Panda3D: a FilterManager whose quads run the passes."""
+"""Depth of field with polygonal bokeh for Panda3D. The quads of a FilterManager draw the passes."""
 
 from math import exp, radians, tan
 
@@ -9,8 +9,8 @@ from panda3d.core import ATS_none, FrameBufferProperties, GraphicsOutput, LVecBa
 from bokeh_panda3d.frames import EXACT, LAYERED, PAPER, PARAMETERS
 from bokeh_panda3d.shaders import GLSL
 
-# A pass: its entry, textures for SLOTS ("-": not this one), its targets, their size (1 / n of the image, rounded up),
-# parameters of its own. What frames.py has for a polygon comes after these:
+# A pass is (entry, textures for SLOTS, with "-" for an unused slot, targets, divisor of their size, own parameters).
+# The sizes are rounded up. These passes come first, and then those that frames.py has for the polygon:
 BEGIN = [("SIGNED_COC_MAP", "color", "coc", 1, {})]
 PAPER_BEGIN = [("LINEAR_DEPTH", "", "metres", 1, {}), ("COC_MAP", "color", "coc", 1, {})]
 DEBUG = {sides: [("DEBUG", "coc", "result", 1, {})] for sides in LAYERED}
@@ -29,7 +29,7 @@ void main()
     BokehUV = 0.5 * p3d_Vertex.xz + 0.5;
 }
 """
-# The last quad, until you give it another shader: what is above 1 too becomes a colour of the screen
+# The shader of the last quad, until you give it another one. It also maps colours above 1 to colours of the screen.
 TONE_MAPPING = """
 #version 330
 uniform sampler2D image;
@@ -44,7 +44,7 @@ void main()
 
 
 def texture(name):
-    """A texture to render into: linear filter, clamped."""
+    """Return a texture to render into, with a linear filter and clamping."""
     made = Texture(name)
     made.setWrapU(SamplerState.WM_clamp)
     made.setWrapV(SamplerState.WM_clamp)
@@ -54,39 +54,46 @@ def texture(name):
 
 
 def float_target(*bits, targets=1):
-    """Frame buffer properties: (16, 16, 16, 16) is RGBA16F, (32, 0, 0, 0) R32F; more targets are RGBA16F."""
+    """Return frame buffer properties for a float target.
+
+    bits     of red, green, blue and alpha: (16, 16, 16, 16) for RGBA16F, (32, 0, 0, 0) for R32F
+    targets  number of targets; those after the first are RGBA16F
+    """
     properties = FrameBufferProperties()
     properties.setFloatColor(True)
     properties.setRgbaBits(*bits)
     properties.setAuxHrgba(targets - 1)
-    # what Config.prc may ask for the window is wrong here
+    # Config.prc may ask for these for the window, but here they would be wrong
     properties.setMultisamples(0)
     properties.setSrgbColor(False)
     return properties
 
 
 class DepthOfField:
-    """Draws what a camera sees into a float target, blurs it and shows it on the window.
+    """Draw what a camera sees into a float target, blur it, and show it in the window.
 
-    win, cam        base.win, base.cam. Make the window's own FilterManager or CommonFilters after this, or not at all.
-    others          as in change()
+    win, cam        base.win and base.cam. If you use a FilterManager or CommonFilters, create it after this object.
+    others          the settings below, and the arguments of change()
 
-    To be set at any time, they act from the next frame on:
-    f_stop          of the lens, which is the camera's, and what it sees is a sensor of
-    sensor_height   0.024 where your unit is a metre, 24 where it is a millimetre
-    bokeh_scale     how many times wider the blur is than that lens's: 1 is the real lens; with 0 no pass is drawn
-    focus_distance  depth along the view axis, your unit
-    rotation        of the polygon, radians, clockwise on the screen
-    parameters      all others by their names in docs/reference/parameters.md: BokehMaxCoC, BokehNearScale ..
+    You may set these attributes at any time; they take effect in the next frame:
+    f_stop          f-stop of the lens; its focal length comes from the camera's lens and sensor_height
+    sensor_height   height of the camera's sensor: 0.024 if one unit is a metre, 24 if it is a millimetre
+    bokeh_scale     how many times as wide the blur is as that of a real lens; at 0, no pass is drawn
+    focus_distance  depth along the view axis, in your unit
+    rotation        angle of the polygon in radians, clockwise on the screen
+    parameters      all other parameters, by their names in docs/reference/parameters.md, such as BokehMaxCoC
 
-    To be read: textures["color"], ["depth"], ["result"] (linear HDR; alpha is the circle of confusion) and those
-    between. `quad` shows one of them, its input `image`: give it your own shader for another tone mapping.
+    You may read the textures: textures["color"], ["depth"], ["result"] (linear HDR, whose alpha is the circle of
+    confusion), and those that the other passes write. `quad` shows one of them, its input `image`. For another tone
+    mapping, give it a shader of your own.
+
+    Raises RuntimeError if the graphics card cannot draw into float targets, and ValueError as change() does.
     """
 
     def __init__(
         self, win, cam, method="layered", sides=6, preset="MEDIUM", f_stop=2.8, focus_distance=5.0, bokeh_scale=10.0
     ):
-        # else a texture of 384 x 256 is made 512 x 256, and a quarter of it is left black
+        # otherwise, a texture of 384 x 256 becomes 512 x 256, and a quarter of it stays black
         Texture.setTexturesPower2(ATS_none)
         self.f_stop, self.focus_distance, self.sensor_height = f_stop, focus_distance, 0.024
         self.bokeh_scale, self.rotation = bokeh_scale, 0.0
@@ -94,7 +101,7 @@ class DepthOfField:
         self.manager = FilterManager(win, cam)
         self.scene = {"color": texture("color"), "depth": texture("depth")}
         hdr = float_target(16, 16, 16, 16)
-        # else it has 16 bits where it is read back
+        # otherwise, it has only 16 bits when it is read back
         hdr.setFloatDepth(True)
         hdr.setDepthBits(32)
         self.quad = self.manager.renderSceneInto(
@@ -105,17 +112,20 @@ class DepthOfField:
         self.quad.setShader(Shader.make(Shader.SL_GLSL, VERTEX, TONE_MAPPING))
         self.passes, self.buffers = [], []
         self.change(method, sides, preset)
-        # before igLoop, which draws
+        # run before igLoop, which draws the frame
         self.task = taskMgr.add(self.update, "polygonal-bokeh", sort=49)
 
     def change(self, method="layered", sides=6, preset="MEDIUM", defines=()):
-        """Other passes in place of those before; their shaders are compiled at the next frame. Raises ValueError.
+        """Replace the passes. The new shaders are compiled in the next frame.
 
-        method   "layered": near things spread over what is behind them; "exact": each pixel by its own circle of
-                 confusion, fewer passes; "paper": the paper's lines; "debug": what BokehDebugMode says
-        sides    4, 6, 8 or 10; of paper 6 or 8
-        preset   "MOBILE", "LOW", "MEDIUM", "HIGH" or "ULTRA"
-        defines  for the shaders, such as "BOKEH_LENS_SHAPE 1"
+        method   "layered": blurred near objects spread over the sharp background; "exact": each pixel is blurred by its
+                 own circle of confusion, in fewer passes; "paper": the method of the paper, which blurs along lines;
+                 "debug": shows what the parameter BokehDebugMode selects
+        sides    number of sides of the polygon: 4, 6, 8 or 10; with "paper" only 6 or 8
+        preset   number and spacing of samples: "MOBILE", "LOW", "MEDIUM", "HIGH" or "ULTRA"
+        defines  macros for the shaders, such as "BOKEH_LENS_SHAPE 1"
+
+        Raises ValueError if there are no passes for these arguments.
         """
         begin, frames = METHODS.get(method, ((), {}))
         if sides not in frames or preset not in PRESETS:
@@ -132,13 +142,13 @@ class DepthOfField:
         self.method, self.blurs = method, None
         head = "".join(f"#define {line}\n" for line in (f"BOKEH_PRESET_{preset}", "BOKEH_FOCUS_CONTROLS 1", *defines))
         for name, reads, writes, scale, parameters in (*begin, *frames[sides]):
-            # the tables have layers of half size, and those of MOBILE have a quarter
+            # in the tables, layers have half the size of the image; with MOBILE, they have a quarter
             scale = 4 if preset == "MOBILE" and scale == 2 else scale
             self._add(head, name, reads, writes, scale, parameters)
         self.update()
 
     def _add(self, head, name, reads, writes, scale, parameters):
-        """One pass as a quad of the manager, which makes the targets anew when the window's size changes."""
+        """Add a pass as a quad of the manager, which creates its targets again when the size of the window changes."""
         targets = {target: texture(target) for target in writes.split()}
         first, *others = targets.values()
         bits = (32, 0, 0, 0) if name == "LINEAR_DEPTH" else (16, 16, 16, 16)
@@ -155,13 +165,13 @@ class DepthOfField:
         for slot, read in zip(SLOTS, reads.split()):
             if read != "-":
                 quad.setShaderInput(slot, self.textures[read])
-        # only the paper's lists make metres
+        # only the frames of paper have a texture in metres
         quad.setShaderInput("BokehDepthSamp", self.textures.get("metres", self.textures["depth"]))
         self.textures.update(targets)
         self.passes.append((quad, parameters, list(targets.values())))
 
     def update(self, task=None):
-        """What changed of the settings, the camera's lens and the window's size, into the passes: runs each frame."""
+        """Pass changes of the settings, the camera's lens and the window's size to the passes. Runs in each frame."""
         lens = self.manager.camera.node().getLens()
         width, height = self.manager.getScaledSize(1, 1, 1)
         focal_length = self.sensor_height / (2.0 * tan(0.5 * radians(lens.getVfov())))
@@ -176,12 +186,12 @@ class DepthOfField:
             "BokehAspectRatio": width / height,
             "BokehImageWidth": width,
             "BokehImageHeight": height,
-            # v grows upwards, where the shaders' angle is counter-clockwise
+            # v grows upwards here, so the shaders' angle is counter-clockwise
             "BokehAngle": -self.rotation,
         }
         if values != self.values:
             for quad, parameters, _ in self.passes:
-                # the paper's lines have angles of their own
+                # the passes of paper have angles of their own
                 angle = values["BokehAngle"] + parameters.get("BokehAngle", 0.0)
                 quad.setShaderInputs(**{**values, **parameters, "BokehAngle": angle})
             self.values = values
@@ -194,11 +204,14 @@ class DepthOfField:
         return task and task.cont
 
     def focus_on(self, node):
-        """On a node's origin."""
+        """Focus on the origin of a node."""
         self.focus_distance = node.getPos(self.manager.camera).y
 
     def depth_at(self, x, y):
-        """Depth at a pixel of the last frame, from the lower left. It waits for the GPU: on a click, not each frame."""
+        """Return the depth at a pixel of the last frame, in your unit. Pixel (0, 0) is at the lower left.
+
+        It waits for the GPU, so call it on a click and not in each frame.
+        """
         self.manager.engine.extractTextureData(self.scene["depth"], self.manager.win.getGsg())
         found = LVecBase4f()
         self.scene["depth"].peek().fetchPixel(found, x, y)
@@ -206,7 +219,11 @@ class DepthOfField:
         return lens.getNear() * lens.getFar() / (lens.getFar() - found.x * (lens.getFar() - lens.getNear()))
 
     def pull_focus(self, depths, seconds, tau=0.2):
-        """So many seconds more on the way to the nearest of the depths; tau is the time constant: docs/lens.md."""
+        """Move the focus smoothly to the nearest of several depths. Call it in each frame.
+
+        seconds  time since the last frame
+        tau      time constant of the movement in seconds (docs/lens.md)
+        """
         k = 1.0 - exp(-seconds / tau)
         self.focus_distance = 1.0 / ((1.0 - k) / self.focus_distance + k / min(depths))
 

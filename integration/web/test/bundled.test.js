@@ -1,4 +1,5 @@
-// The installed package through bundlers: no warning, and a page without an import map draws the picture of its guide.
+// Bundles the installed package. The bundler must not warn, and a page without an import map must draw the image of its
+// guide.
 
 import assert from 'node:assert/strict';
 import { readFileSync, writeFileSync } from 'node:fs';
@@ -7,7 +8,7 @@ import { after, before, test } from 'node:test';
 import { INTEGRATION, opened, started } from './opened.js';
 import { SAMPLES, bundled, folder, madeIn } from './project.js';
 
-// Sample -> statements that draw a frame of it, after its imports
+// Sample -> a module that imports the sample, and defines its canvas and a function that draws a frame
 const ENTRIES = {
   threejs: `import { renderer, composer } from './webgl.js';
 const canvas = renderer.domElement, draw = () => composer.render();`,
@@ -36,7 +37,7 @@ const CASES = [
   ...['esbuild', 'vite', 'webpack'].map((bundler) => [bundler, 'threejs']),
   ...['postprocessing', 'react', 'babylonjs', 'playcanvas'].map((sample) => ['esbuild', sample]),
 ];
-// A warning counts as an error does; but react-three-fiber uses what three.js warns of
+// Warnings become errors, except for react-three-fiber, because three.js warns of features that it uses
 const pageOf = (sample) => `<!doctype html>
 ${sample === 'react' ? '' : '<script>console.warn = console.error;</script>'}
 <canvas width="640" height="480" data-device="webgl2"></canvas>
@@ -55,7 +56,8 @@ after(async () => {
   root?.remove();
 });
 
-// In a page: the sizes of two pictures, by their addresses, and how far apart they are on average, of 255
+// Runs in a page, with the addresses of two images. Returns their sizes, whether both are opaque, and how much they
+// differ on average, for values from 0 to 255.
 async function apart([...addresses]) {
   const [a, b] = await Promise.all(
     addresses.map(async (address) => {
@@ -82,7 +84,7 @@ for (const [bundler, sample] of CASES) {
     writeFileSync(join(project, entry), `${ENTRIES[sample]}\nwindow.bokeh = { picture: ${picture} };\n`);
     const said = await bundled(project, bundler, entry, out);
     assert.doesNotMatch(said, /warn/i);
-    // of the shaders there is one language where the engine has one
+    // with three.js, the bundle has only the shaders in GLSL: the classes for WebGLRenderer need none in WGSL
     const text = readFileSync(join(project, out, 'main.js'), 'utf8');
     assert.ok(text.includes('vec4 BokehFetchTexel'));
     assert.equal(text.includes('fn BokehFetchTexel'), engine !== 'threejs');
@@ -92,7 +94,7 @@ for (const [bundler, sample] of CASES) {
     const session = await opened(places, [], browser);
     try {
       const drawn = await session.call('picture');
-      // but for rounding: half a step on average
+      // because of rounding, they may differ by half a level on average
       const { sizes, opaque, off } = await session.page.evaluate(apart, [drawn, 'guide.png']);
       assert.deepEqual(sizes[0], sizes[1]);
       assert.ok(opaque, 'a canvas keeps the colours of opaque pixels alone as they are');

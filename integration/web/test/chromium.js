@@ -1,7 +1,7 @@
-// Headless Chromium as the tests of this folder and of the live page (../../demo/test) start it: on its own software
-// devices, and asking nothing of any network.
+// Starts headless Chromium for the tests of this folder and of the live page (../../demo/test). It draws on Chromium's
+// own software devices, and makes no request to any network.
 
-// As in validation/bokeh_validation/browser/__init__.py
+// The same flags as in validation/bokeh_validation/browser/__init__.py
 const FLAGS = [
   ...['--disable-background-networking', '--disable-component-update', '--disable-domain-reliability', '--disable-sync'],
   ...['--disable-breakpad', '--disable-quic', '--no-first-run', '--no-pings', '--metrics-recording-only'],
@@ -10,17 +10,18 @@ const FLAGS = [
   '--host-resolver-rules=MAP * ~NOTFOUND',
 ];
 
-// Start it. `chromium` is playwright-core's; BOKEH_CHROMIUM names the program. Returns Playwright's browser.
+// Starts Chromium, and returns Playwright's browser. `chromium` is an export of playwright-core. BOKEH_CHROMIUM is the
+// path of the program.
 export function launched(chromium, flags = []) {
   return chromium.launch({
     executablePath: process.env.BOKEH_CHROMIUM ?? '/usr/bin/chromium',
     headless: true,
-    chromiumSandbox: process.getuid?.() !== 0, // it refuses to start with a sandbox as root
+    chromiumSandbox: process.getuid?.() !== 0, // as root, it does not start with a sandbox
     args: [...FLAGS, ...flags],
   });
 }
 
-// Errors that a page throws or writes to the console from now on, as a list that grows.
+// Returns a list to which the errors are added that a page throws or writes to the console from now on.
 export function errorsOf(page) {
   const said = [];
   page.on('console', (message) => message.type() === 'error' && said.push(message.text()));

@@ -1,4 +1,4 @@
-// What npm packs, the package installed otherwise, and its types.
+// Tests the files that npm packs, other ways to install the package, and its types.
 
 import assert from 'node:assert/strict';
 import { cpSync, readFileSync, readdirSync, writeFileSync } from 'node:fs';
@@ -62,7 +62,7 @@ test('tsc --strict has nothing against the types and their user; what no option 
   const project = await madeIn(root.path);
   cpSync(join(WEB, 'test/types.ts'), join(project, 'types.ts'));
   const tsc = '../node_modules/.bin/tsc --strict --noEmit --target esnext --module esnext --moduleResolution bundler';
-  // the engines' own types have errors; the last word shows that it came to an end
+  // the types of the engines themselves have errors, so only look at ours; `right` shows that tsc ran to the end
   const said = await run(project, 'sh', '-c', `${tsc} types.ts; ${tsc} --skipLibCheck types.ts && echo right`);
   const lines = said.trim().split('\n');
   assert.deepEqual(lines.filter((line) => /polygonal-bokeh|^types\.ts/.test(line)), []);

@@ -1,4 +1,4 @@
-// A page in headless Chromium, served from files: nothing listens on a port, every request is answered from here.
+// Opens a page in headless Chromium. All requests are answered here, from files, so no server listens on a port.
 
 import { readFileSync, statSync } from 'node:fs';
 import { dirname, extname } from 'node:path';
@@ -6,23 +6,24 @@ import { fileURLToPath } from 'node:url';
 import { chromium } from 'playwright-core';
 import { errorsOf, launched } from './chromium.js';
 
-// integration/, and the folder node_modules that has what package.json names
+// The folder integration/, and the folder node_modules with the packages that package.json names
 export const INTEGRATION = fileURLToPath(new URL('../..', import.meta.url));
 export const MODULES = `${dirname(dirname(fileURLToPath(import.meta.resolve('playwright-core/package.json'))))}/`;
 
-// WebGPU is for secure pages only
+// Only pages with https have WebGPU
 const ADDRESS = 'https://bokeh.invalid/';
 const TYPES = { '.css': 'text/css', '.html': 'text/html', '.js': 'text/javascript', '.png': 'image/png' };
-const START_LIMIT = 60_000; // milliseconds; it takes 2000
-const CALL_LIMIT = 240_000; // of a call; the longest takes 30000
+const START_LIMIT = 60_000; // milliseconds until the page has started, which usually takes 2000
+const CALL_LIMIT = 240_000; // milliseconds for a call; the longest takes 30000
 
-// Start a browser for several pages, one after another; the caller closes it.
+// Starts a browser for several pages, one after another. The caller must close it.
 export const started = (flags = []) => launched(chromium, flags);
 
-// Open page.html. `places` is [[beginning of an address, folder or Buffer], ...], tried in this order. The page makes
-// window.bokeh, an object of functions. Without a `browser` it is opened in a new one. Returns
-// { page, call(name, argument), close() }: `page` is Playwright's, and a call throws also what the page only wrote to
-// the console since the last one.
+// Opens page.html, which must set window.bokeh to an object of functions.
+//   places   [[beginning of an address, folder or Buffer], ...]; the first that has the requested file answers
+//   browser  the browser to open the page in; by default a new one
+// Returns { page, call(name, argument), close() }. `page` is Playwright's. `call` calls a function of window.bokeh, and
+// also throws the errors that the page has written to the console since the last call.
 export async function opened(places, flags = [], browser = null) {
   const own = browser ?? (await started(flags));
   const page = await own.newPage();
@@ -60,7 +61,7 @@ function answer(route, places) {
   return route.fulfill({ status: name === 'favicon.ico' ? 204 : 404 });
 }
 
-// What a promise gives, or an error after so many milliseconds
+// Resolves as the promise does, or throws an Error after `limit` milliseconds.
 function within(limit, promise, what) {
   let timer;
   const late = new Promise((_, reject) => {

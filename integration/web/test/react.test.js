@@ -1,4 +1,4 @@
-// What both components for react-three-fiber promise: pages/react.jsx does it.
+// Tests the two components for react-three-fiber, with the page pages/react.jsx.
 
 import assert from 'node:assert/strict';
 import { cpSync } from 'node:fs';
@@ -25,11 +25,11 @@ after(async () => {
   root?.remove();
 });
 
-// The page with these settings. By exact, if its properties name no method: layered has four times as many shaders to
-// compile, and what is tested here depends on none.
+// Shows the page with these settings. If the properties name no method, it uses exact: layered has four times as many
+// shaders to compile, and these tests do not depend on the method.
 const show = ({ props, ...settings }) => session.call('show', { ...settings, props: { method: 'exact', ...props } });
 
-// The picture of a page that must have no error
+// Returns the image of a page, which must have no error.
 async function picture(settings) {
   const { error, logged, image } = await show(settings);
   assert.deepEqual([error, logged], [null, []]);
@@ -72,7 +72,8 @@ for (const renderer of ['webgl', 'webgpu']) {
   });
 
   for (const [index, [props, told]] of WRONG.entries()) {
-    // react-common.js checks them for both: a property that is wrong at first with one renderer is wrong later with the other
+    // react-common.js checks the properties for both renderers. So each property is wrong from the beginning with one
+    // renderer, and becomes wrong later with the other.
     const later = (index + Number(renderer === 'webgpu')) % 2 === 1;
     test(`${renderer}: ${JSON.stringify(props)} ${later ? 'later' : 'at first'} is one error that says what is allowed`, async () => {
       if (later) await picture({ renderer, anew: true });
@@ -104,7 +105,7 @@ test('webgpu: the canvas shows what `after` makes of it', async () => {
   assert.equal(shown[0], shown[2]);
 });
 
-// The page of the sample: its frames end after a few, since it would draw on while a picture is taken of it
+// The page of the sample. It stops after 100 submits, so that it does not draw while the screenshot is taken.
 const FEW = `<!doctype html><script type="module" src="main.js"></script>
 <script>
   let submitted = 0;

@@ -1,4 +1,4 @@
-// How much text a browser has to load.
+// Tests how much shader text a browser has to load.
 
 import assert from 'node:assert/strict';
 import { test } from 'node:test';

@@ -1,4 +1,4 @@
-// What the class for WebGPURenderer promises, with the newest and the oldest three.js: pages/webgpu.js does it.
+// Tests the class for WebGPURenderer with the newest and the oldest three.js, with the page pages/webgpu.js.
 
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
@@ -58,7 +58,7 @@ for (const version of VERSIONS) {
       const { baked, acts, resized, revision } = await call('occlusion');
       assert.equal(baked, 0);
       assert.ok(acts > 0.01, `${acts}`);
-      // the texture that three.js 0.172 draws an expression into keeps its first size
+      // three.js 0.172 draws an expression into a texture that keeps its first size
       if (revision >= 180) assert.deepEqual(resized, [48, 32]);
     });
 
@@ -83,7 +83,7 @@ for (const version of VERSIONS) {
       assert.deepEqual(await call('memory'), { bytes: 4 * 8 * 96 * 64, passes: 3 });
     });
 
-    // a scene without highlights, whose light edges do not change
+    // the scene of this page has no highlights: four samples would change the light at their edges
     await t.test('four samples a pixel: the subject as sharp, and as much light', async () => {
       const { middle, light } = await call('samples');
       assert.ok(middle < 0.002, `${middle}`);

@@ -1,4 +1,4 @@
-// What the tests of both classes for three.js share.
+// The code that the tests of both classes for three.js share.
 
 import assert from 'node:assert/strict';
 import { INTEGRATION, MODULES, opened } from './opened.js';
@@ -6,7 +6,7 @@ import { INTEGRATION, MODULES, opened } from './opened.js';
 // Packages: the newest three.js, and the oldest that works
 export const VERSIONS = ['three', 'three-oldest'];
 export const CHANGES = [{ preset: 'LOW' }, { sides: 8 }, { method: 'exact' }, { extras: ['lateral'] }];
-// Name, uniforms set to what changes nothing, and to what does, options
+// [extra, uniforms with neutral values, uniforms with values that have an effect, options]
 const EXTRAS = [
   ['jitter', { jitter: 0 }, { jitter: 1 }, { method: 'exact', preset: 'LOW' }],
   ['catsEye', { catsEye: 0 }, { catsEye: 0.8 }, {}],
@@ -15,10 +15,10 @@ const EXTRAS = [
   ['focusRange', {}, { frontRange: 1, backRange: 8 }, {}],
   ['focusRange', {}, { nearScale: 0 }, {}],
 ];
-// without them Chromium's software device dies as soon as WebGPU draws onto a canvas
+// Without these flags, Chromium's software device is lost as soon as WebGPU draws onto a canvas
 export const CANVAS = ['--enable-features=Vulkan', '--use-vulkan=swiftshader'];
 
-// Open pages/webgl.js or webgpu.js with a three.js
+// Opens pages/webgl.js, webgpu.js or glass.js with a version of three.js.
 export function openedWith(version, kind) {
   const build = `/MODULES/${version}/build`;
   const imports = {
@@ -41,7 +41,7 @@ export function assertNear(value, wanted, most, what = '') {
   assert.ok(Math.abs(value - wanted) <= most, `${what} ${value} is more than ${most} off ${wanted}`);
 }
 
-// What holds for both classes. `t` is the test around them, and `call` calls the page.
+// Runs the tests that both classes must pass. `t` is the enclosing test, and `call` calls a function of the page.
 export async function shared(t, call) {
   for (const extra of EXTRAS) {
     await t.test(`${JSON.stringify(extra)} acts, and at its neutral value only rounds half floats`, async () => {
@@ -56,7 +56,8 @@ export async function shared(t, call) {
       const { shares, inside, off } = await call('alpha', { method, sides });
       for (const index of [0, 1]) assertNear(shares[index], index, 1e-3, 'share');
       assert.ok(inside > 300, `${inside}`);
-      // a hexagon of exact spreads what is bright by its own circle of confusion, and the page's light is not there yet
+      // exact with 6 sides spreads bright pixels by their own circle of confusion, but the light of the page, which
+      // would make its pixels bright, is added only later
       if (what !== 'exact, 6 sides') assert.ok(off < 0.01, `${off}`);
     });
   }

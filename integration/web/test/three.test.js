@@ -1,4 +1,4 @@
-// What the classes for WebGLRenderer promise, with the newest and the oldest three.js: pages/webgl.js does it.
+// Tests the classes for WebGLRenderer with the newest and the oldest three.js, with the page pages/webgl.js.
 
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
@@ -15,7 +15,7 @@ const REFUSED = [
   [{ extras: 'jitter' }, 'extras is "jitter", not a list. Give "jitter", "catsEye"'],
   [{ extras: ['cats'] }, 'extras is "cats". Give "jitter", "catsEye"'],
 ];
-// Focus distance from, dt, depths
+// [old focus distance, dt, depths]
 const PULLS = [
   [NaN, 0.1, [4]],
   [0, 0.1, [4]],
@@ -52,7 +52,7 @@ for (const version of VERSIONS) {
       assert.match(empty.said[0], /depth is empty/);
       assert.equal(none.off, 0);
       assert.ok(right.off > 0);
-      assert.deepEqual(await call('between'), [0, 0]); // a pass between
+      assert.deepEqual(await call('between'), [0, 0]); // depthOf works with passes between the scene and the bokeh
     });
 
     await t.test('the sample with glass: an edge behind it stays sharp, which its own depth would blur', async () => {
@@ -66,7 +66,7 @@ for (const version of VERSIONS) {
       const view = orthographic ? 'an orthographic' : 'a perspective';
       await t.test(`depth weighted by opacity, of ${view} camera; the scene stays as it is, nothing is left`, async () => {
         const { metres, wanted, same, freed } = await call('weighted', orthographic);
-        // half floats: red is rounded once for each surface, 2^-11, and so is green
+        // red and green are half floats, and each surface rounds them once, by up to 2^-11
         for (const found of metres) found.forEach((value, i) => assertNear(value, wanted[i], 2 ** -9 * wanted[i], `place ${i}:`));
         assert.ok(same);
         assert.ok(freed > 0);

@@ -1,4 +1,5 @@
-// What install.test.js has tsc --strict compile: each class as a guide has it, and what no type may let through.
+// install.test.js compiles this file with tsc --strict. It uses each class as its guide does, and has lines that the
+// types must reject.
 
 import { FreeCamera } from '@babylonjs/core/Cameras/freeCamera.js';
 import { AppBase, CameraComponent, Vec3 } from 'playcanvas';

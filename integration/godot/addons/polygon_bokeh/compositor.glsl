@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The passes of PolygonBokehEffect, a version for each preset and program. Godot's importer splits the file at the
+// The passes of PolygonBokehEffect, with a version for each preset and program. Godot's importer splits the file at the
 // lines in brackets, and compiles every version.
 
 #[versions]
@@ -168,7 +168,7 @@ ultra_decagon_second = "#define BOKEH_PRESET_ULTRA 1\n#define DECAGON_SECOND 1";
 
 layout(location = 0) out vec2 uv;
 
-// One triangle over the whole target, without a buffer; v = 0 is the first row
+// Draws a triangle that covers the whole target, without a vertex buffer. v = 0 is the first row.
 void main()
 {
 	uv = vec2(gl_VertexIndex == 1 ? 2.0 : 0.0, gl_VertexIndex == 2 ? 2.0 : 0.0);
@@ -187,14 +187,15 @@ void main()
 
 layout(location = 0) in vec2 uv;
 
-// 80 bytes, as PolygonBokehEffect writes them. Metres, radians; max_coc is a fraction of the image height.
+// The 80 bytes that PolygonBokehEffect writes: lengths in metres, max_coc as a fraction of the image height, and
+// rotation in radians
 layout(push_constant) uniform Parameters
 {
 	float aperture_diameter;
 	float focal_length;
 	float focus_distance;
 	float sensor_height;
-	// rows z and w of the camera's projection, columns z and w: (z.z, w.z, z.w, w.w)
+	// four elements of the camera's projection, written as column.row: (z.z, w.z, z.w, w.w)
 	vec4 projection;
 	vec2 image_size;
 	float max_coc;
@@ -213,8 +214,8 @@ layout(set = 0, binding = 0) uniform sampler2D slot_0;
 layout(set = 0, binding = 1) uniform sampler2D slot_1;
 layout(location = 0) out vec4 target_0;
 
-// Metres along the view axis, from the projection with which Godot made the depth buffer: any planes, reversed or not,
-// perspective or orthographic
+// Returns metres along the view axis, by the projection with which Godot drew the depth buffer. The projection may have
+// any planes, be reversed or not, and be perspective or orthographic.
 float SceneDepth(vec2 place)
 {
 	float stored = BokehFetchTexel(slot_1, place).r;
@@ -238,7 +239,7 @@ float SceneCoC(vec2 place)
 void main()
 {
 	float coc = SceneCoC(uv);
-	// beside a light the light's
+	// a pixel next to a light may get the light's CoC
 	vec4 neighbor = BokehBrightNeighbor(slot_0, uv, parameters.image_size);
 	if (max(neighbor.z, neighbor.w) > 0.0)
 	{

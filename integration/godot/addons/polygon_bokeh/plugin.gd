@@ -1,3 +1,3 @@
 @tool
 extends EditorPlugin
-# PolygonBokeh and PolygonBokehEffect are in the editor's lists by their class names: there is nothing to register.
+# The editor lists PolygonBokeh and PolygonBokehEffect by their class names, so there is nothing to register.

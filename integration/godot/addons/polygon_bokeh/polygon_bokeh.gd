@@ -3,58 +3,60 @@
 @icon("icon.svg")
 class_name PolygonBokeh
 extends Node
-## Depth of field with polygonal bokeh for the [Camera3D] that this is a child of.
+## Depth of field with polygonal bokeh for its parent, a [Camera3D], with the Compatibility renderer.
 ##
-## While that camera is current, its viewport draws no 3D: a viewport of this node's own does, as large
-## and with more than 8 bits; further ones blur that in passes, and the result is shown behind all 2D.
-## For the Compatibility renderer; Forward+ and Mobile have [PolygonBokehEffect]. The editor shows no blur.
+## For Forward+ and Mobile, use [PolygonBokehEffect]. The editor shows no blur.
+## While the camera is current, its viewport draws no 3D. Instead, a viewport of this node draws the
+## scene, with the same size and more than 8 bits. Further viewports are the passes of the blur, and the
+## result is shown behind everything 2D.
 
 const Frames := preload("frames.gd")
 
 enum View { PICTURE, DEPTH, COC, FIELDS }
 
-## [code]layered[/code]: near objects spread over what is behind them. [code]exact[/code]: each pixel by
-## its own circle of confusion, fewer passes. [code]paper[/code]: lines and min; 6 or 8 sides.
+## How the image is blurred. With [code]layered[/code], blurred near objects spread over the sharp
+## background. [code]exact[/code] blurs each pixel by its own circle of confusion, in fewer passes.
+## [code]paper[/code] blurs along lines, and combines them by min. It supports only 6 and 8 sides.
 @export_enum("layered", "exact", "paper") var method := "layered":
 	set(value):
 		method = value
 		update_configuration_warnings()
-## Of the aperture: 4, 6, 8 or 10.
+## Number of sides of the polygon: 4, 6, 8 or 10.
 @export_enum("4:4", "6:6", "8:8", "10:10") var sides := 6:
 	set(value):
 		sides = value
 		update_configuration_warnings()
 @export_enum("MOBILE", "LOW", "MEDIUM", "HIGH", "ULTRA") var preset := "MEDIUM"
-## Of the lens, whose focal length comes from the camera's field of view.
+## f-stop of the lens. Its focal length comes from the camera's field of view.
 @export var f_stop := 2.8
-## How many times wider the blur is than that lens's: 1 is the real lens; with 0 no pass is drawn.
+## How many times as wide the blur is as that of a real lens. At 0, no pass is drawn.
 @export var bokeh_scale := 10.0
-@export var sensor_height := 0.024 ## Metres.
-@export_range(0.0, 1.0) var max_coc := 0.1 ## Largest blur, fraction of the image height.
+@export var sensor_height := 0.024 ## Height of the camera's sensor in metres.
+@export_range(0.0, 1.0) var max_coc := 0.1 ## Largest diameter of the blur, as a fraction of the image height.
 @export_range(-360.0, 360.0, 0.1, "radians_as_degrees") var rotation := 0.0
-@export var squeeze := 1.0 ## Width of the bokeh over its height.
+@export var squeeze := 1.0 ## Width of the bokeh divided by its height.
 
-@export_group("Near and Far Blur") # In front of the focus, and behind it. No effect with paper.
+@export_group("Near and Far Blur") # no effect with paper
 @export var near_scale := 1.0 ## Factor of the blur in front of the focus; 0 turns it off.
 @export var far_scale := 1.0 ## Factor of the blur behind the focus; 0 turns it off.
-@export_range(0.0, 1.0) var near_max_coc := 1.0 ## Largest blur in front of the focus, fraction of the image height.
-@export_range(0.0, 1.0) var far_max_coc := 1.0 ## Largest blur behind the focus, fraction of the image height.
+@export_range(0.0, 1.0) var near_max_coc := 1.0 ## Like [member max_coc], in front of the focus only.
+@export_range(0.0, 1.0) var far_max_coc := 1.0 ## Like [member max_coc], behind the focus only.
 
 @export_group("Focus")
-## Depth along the camera's axis, metres, where nothing below is set.
+## Focus distance along the view axis in metres, if neither [member target] nor [member points] is set.
 @export var distance := 5.0
-@export var target: Node3D ## To focus on, wherever it is.
-## Autofocus: up to four places of the view, (0, 0) at its top left, (1, 1) at its bottom right. The
-## nearest of what is drawn there wins.
+@export var target: Node3D ## Node to focus on. The focus follows it.
+## Autofocus: up to four points of the view, from (0, 0) at the top left to (1, 1) at the bottom right.
+## The focus moves to the nearest of the depths that are drawn there, and [member target] has no effect.
 @export var points := PackedVector2Array()
-@export var pull_seconds := 0.3 ## Time constant of the way to a new focus.
+@export var pull_seconds := 0.3 ## Time constant of the movement to a new focus, in seconds.
 
 @export_group("Picture")
 @export var exposure := 1.0
-@export var white := 16.0 ## What becomes white by tone mapping.
+@export var white := 16.0 ## The brightness that tone mapping makes white.
 @export var view := View.PICTURE
 
-# alpha of the scene's viewport is 1 + this many times near / metres, of the half floats up to 65504
+# The alpha of the scene's viewport is 1 + DEPTH_RANGE * near / metres. It is a half float, so at most 65504.
 const DEPTH_RANGE := 60000.0
 
 const PASS := """shader_type canvas_item;
@@ -84,15 +86,16 @@ void fragment()
 """
 const LENS := "SceneLens(aperture_diameter, focal_length, sensor_height, max_coc)"
 
-## The passes as they are drawn: [code][name of the texture, 1 / its size, call of the library][/code]
+## The passes, in the order in which they are drawn:
+## [code][name of the texture, divisor of its size, call of the library][/code]
 var frame: Array[Array] = []
-## name -> what a pass wrote; [code]scene[/code]: what the camera drew
+## Name -> texture that a pass has drawn. [code]scene[/code] is the camera's view.
 var textures := {}
 
 var _camera: Camera3D
-var _host: Viewport # that shows the picture
+var _host: Viewport # the viewport that shows the result
 var _size: Vector2i
-var _made: Array # what the passes were made for
+var _made: Array # the settings that the passes were created for
 var _parts: Array[Node] = []
 var _passes: Array[SubViewport] = []
 var _materials: Array[ShaderMaterial] = []
@@ -102,7 +105,7 @@ var _cut := true
 
 func _enter_tree() -> void:
 	_camera = get_parent() as Camera3D
-	process_priority = 1000 # after all that moves the camera
+	process_priority = 1000 # run after everything that moves the camera
 	update_configuration_warnings()
 
 
@@ -110,7 +113,7 @@ func _exit_tree() -> void:
 	_remove()
 
 
-## Focus at once, without a pull: after a cut of the camera.
+## Makes the focus jump to its new distance in the next frame. Call it after the camera jumps.
 func cut() -> void:
 	_cut = true
 
@@ -144,7 +147,7 @@ func _process(delta: float) -> void:
 	_update(delta)
 
 
-# What the shaders need to know of this frame
+# Passes the values of this frame to the shaders.
 func _update(delta: float) -> void:
 	var focal_length := 0.05
 	if _camera.projection != Camera3D.PROJECTION_ORTHOGONAL:
@@ -193,7 +196,7 @@ func _make(host: Viewport, size: Vector2i) -> void:
 		if "Scene" in call:
 			reads += "#include \"%s/scene.gdshaderinc\"\n" % folder
 		shader.code = PASS % [preset, sides, folder, folder, folder, reads, sides, call]
-		# the table has layers of half size, and those of MOBILE have a quarter
+		# in the table, layers have half the size of the image; with MOBILE, they have a quarter
 		var scale: int = 4 if preset == "MOBILE" and row[1] == 2 else row[1]
 		_passes.append(_add(row[0], Vector2i((Vector2(size) / scale).ceil()), shader))
 	var again := Shader.new()
@@ -225,7 +228,7 @@ func _remove() -> void:
 	textures.clear()
 
 
-# The camera, drawing into a viewport that keeps what is brighter than 1, with depth in alpha
+# Draws the camera's view into a viewport that keeps colours brighter than 1, and has depth in alpha.
 func _draw_scene() -> void:
 	var scene := _viewport("scene", _size)
 	scene.world_3d = _host.find_world_3d()
@@ -245,7 +248,7 @@ func _draw_scene() -> void:
 	rectangle.position.z = -2.0 * _camera.near
 
 
-# A pass. Viewports are drawn in the order in which they come into the tree.
+# Adds a pass. Godot draws viewports in the order in which they enter the tree.
 func _add(title: String, size: Vector2i, shader: Shader) -> SubViewport:
 	var target_of_pass := _viewport(title, size)
 	target_of_pass.disable_3d = true
@@ -257,7 +260,7 @@ func _add(title: String, size: Vector2i, shader: Shader) -> SubViewport:
 func _viewport(title: String, size: Vector2i) -> SubViewport:
 	var made := SubViewport.new()
 	made.size = size
-	made.use_hdr_2d = true # RGBA16F, in 3D too
+	made.use_hdr_2d = true # RGBA16F, also for 3D
 	made.render_target_update_mode = SubViewport.UPDATE_ALWAYS
 	made.gui_disable_input = true
 	_keep(made, self)

@@ -5,30 +5,30 @@ class_name PolygonBokehEffect
 extends CompositorEffect
 ## Depth of field with polygonal bokeh for the Forward+ and Mobile renderers.
 ##
-## Add it to the [Compositor] of a [Camera3D] or of a [WorldEnvironment]. It blurs the scene after its transparent
-## surfaces, so glow and tone mapping stay the engine's. For the Compatibility renderer take [PolygonBokeh].
+## Add it to the [Compositor] of a [Camera3D] or of a [WorldEnvironment]. It runs after transparent surfaces, and before
+## the engine's own glow and tone mapping. For the Compatibility renderer, use [PolygonBokeh].
 
 const Frames := preload("compositor_frames.gd")
 
 const SHADERS := "compositor.glsl"
 const CONTEXT := &"polygon_bokeh"
 
-## [code]layered[/code]: near objects spread over what is behind them. [code]exact[/code]: each pixel by its own circle
-## of confusion, fewer passes.
+## How the image is blurred. With [code]layered[/code], blurred near objects spread over the sharp background.
+## [code]exact[/code] blurs each pixel by its own circle of confusion, in fewer passes.
 @export_enum("layered", "exact") var method := "layered"
-## Of the aperture: 4, 6, 8 or 10.
+## Number of sides of the polygon: 4, 6, 8 or 10.
 @export_enum("4:4", "6:6", "8:8", "10:10") var sides := 6
 @export_enum("MOBILE", "LOW", "MEDIUM", "HIGH", "ULTRA") var preset := "MEDIUM"
-## Of the lens, whose focal length comes from the camera's field of view.
+## f-stop of the lens. Its focal length comes from the camera's field of view.
 @export_range(0.1, 32.0, 0.1, "or_greater") var f_stop := 2.8
-## How many times wider the blur is than that lens's: 1 is the real lens, 0 is none.
+## How many times as wide the blur is as that of a real lens. At 0, no pass is drawn.
 @export_range(0.0, 50.0, 0.1, "or_greater") var bokeh_scale := 10.0
-## Depth along the camera's axis, metres. See [method focus_on].
+## Focus distance along the view axis, in metres. [method focus_on] sets it.
 @export_range(0.1, 1000.0, 0.01, "or_greater", "suffix:m") var focus_distance := 5.0
-@export var sensor_height := 0.024 ## Metres.
-@export_range(0.0, 1.0) var max_coc := 0.1 ## Largest blur, fraction of the image height.
+@export var sensor_height := 0.024 ## Height of the camera's sensor in metres.
+@export_range(0.0, 1.0) var max_coc := 0.1 ## Largest diameter of the blur, as a fraction of the image height.
 @export_range(-360.0, 360.0, 0.1, "radians_as_degrees") var rotation := 0.0
-@export var squeeze := 1.0 ## Width of the bokeh over its height.
+@export var squeeze := 1.0 ## Width of the bokeh divided by its height.
 
 @export_group("Near and Far Blur") # In front of the focus distance, and behind it.
 @export var near_scale := 1.0 ## Factor of the blur in front of the focus; 0 turns it off.
@@ -54,13 +54,13 @@ func _init() -> void:
 
 func _notification(what: int) -> void:
 	if what == NOTIFICATION_PREDELETE and _device != null:
-		# pipelines and uniform sets go with their shader
+		# this also frees the pipelines and uniform sets of the shaders
 		for rid: RID in _shaders.values() + [_linear, _nearest]:
 			if rid.is_valid():
 				_device.free_rid(rid)
 
 
-## Focus on a point of the world, as [param camera] sees it: call it every frame for a target that moves.
+## Focuses on a point of the world, as [param camera] sees it. If the point or the camera moves, call it in every frame.
 func focus_on(camera: Camera3D, point: Vector3) -> void:
 	focus_distance = maxf(-(camera.global_transform.affine_inverse() * point).z, 0.01)
 
@@ -93,7 +93,7 @@ func _render_callback(_type: int, data: RenderData) -> void:
 			_draw(buffers, view, size, row, parameters)
 
 
-# The shader's block, 80 bytes. Godot's projection here is the one that made the depth buffer.
+# Returns the parameters of the shaders, 80 bytes. `projection` is the one with which Godot drew the depth buffer.
 func _parameters(projection: Projection, size: Vector2i) -> PackedByteArray:
 	var focal_length := 0.05
 	if is_zero_approx(projection.w.w): # perspective
@@ -107,7 +107,7 @@ func _parameters(projection: Projection, size: Vector2i) -> PackedByteArray:
 	]).to_byte_array()
 
 
-# One pass: [version, 1 / size, textures by slot, targets]
+# Draws a pass. `row` is [version, divisor of the targets' size, textures by slot, targets].
 func _draw(
 	buffers: RenderSceneBuffersRD, view: int, size: Vector2i, row: Array, parameters: PackedByteArray
 ) -> void:
@@ -137,16 +137,17 @@ func _draw(
 	_device.draw_list_end()
 
 
-# What the size of a texture of this frame is divided by
+# Returns the divisor of a texture's size.
 func _scale(title: String) -> int:
 	for row: Array in Frames.FRAMES[method][sides]:
 		if title in row[3]:
-			# the table has layers of half size, and those of MOBILE have a quarter
+			# in the table, layers have half the size of the image; with MOBILE, they have a quarter
 			return 4 if preset == "MOBILE" and row[1] == 2 else row[1]
 	return 1
 
 
-# The engine's color and depth, or a texture of this effect: Godot frees those when the viewport changes its size
+# Returns the engine's color or depth, or a texture of this effect. Godot frees the latter when the viewport's size
+# changes.
 func _texture(buffers: RenderSceneBuffersRD, view: int, size: Vector2i, title: String, scale: int) -> RID:
 	if title == "color":
 		return buffers.get_color_layer(view)
@@ -170,7 +171,7 @@ func _shader(version: String) -> RID:
 	return _shaders[version]
 
 
-# All channels are written, since alpha is data, but for the engine's own alpha
+# Returns a pipeline that writes all channels, because alpha is data. Only the alpha of the engine's own colour is kept.
 func _pipeline(shader: RID, framebuffer: RID, targets: int, is_picture: bool) -> RID:
 	var key := [shader, _device.framebuffer_get_format(framebuffer)]
 	if key not in _pipelines:

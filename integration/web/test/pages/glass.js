@@ -1,11 +1,12 @@
-// What three.test.js asks of the sample glass.js.
+// The page with which three.test.js tests the sample glass.js.
 
 import { composer } from '/integration/threejs/glass.js';
 import { composer as plain, renderer } from '/integration/threejs/webgl.js';
 
-const BOX = [370, 178, 24, 16]; // the box's left edge, seen through the ball: left, bottom, width, height
+// [left, bottom, width, height] in pixels, around the left edge of the box, which is seen through the ball
+const BOX = [370, 178, 24, 16];
 
-// The largest step between neighbouring pixels of a row of the box's edge, of 255
+// Returns the largest difference between neighbouring pixels in a row across the edge of the box, 0 to 255.
 function step(chain) {
   chain.render();
   const gl = renderer.getContext();

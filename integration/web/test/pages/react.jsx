@@ -1,4 +1,4 @@
-// What react.test.js asks of the components, in the scene of scene.js.
+// The page with which react.test.js tests the components, in the scene of scene.js.
 
 import * as THREE from 'three';
 import { Canvas, useThree } from '@react-three/fiber';
@@ -12,15 +12,15 @@ import { pass } from 'three/tsl';
 import { RenderPipeline, RenderTarget, WebGPURenderer } from 'three/webgpu';
 import { SIZE, makeScene } from './scene.js';
 
-const FRAMES = 4; // after React has mounted the page, until a change begins or an error of one is told
-const SILENT = 600; // frames without either: something hangs
+const FRAMES = 4; // frames to wait after React has mounted the page; by then, a change has begun, or its error is known
+const SILENT = 600; // after so many frames without a page and without an error, give up waiting
 const frame = () => new Promise(requestAnimationFrame);
 const { scene, camera, subject } = makeScene(1);
 const orthographic = new THREE.OrthographicCamera(-1.5, 1.5, 1, -1, 0.2, 40);
 const cameras = { perspective: camera, orthographic };
-for (const one of Object.values(cameras)) one.manual = true; // react-three-fiber leaves it as it is
+for (const one of Object.values(cameras)) one.manual = true; // react-three-fiber then does not change it
 
-const found = {}; // renderer and node of what is shown
+const found = {}; // of the page that is shown: renderer, pass or node, number and error
 const logged = [];
 console.error = (...words) => logged.push(words.join(' '));
 window.reportError = (error) => logged.push(error.message);
@@ -82,7 +82,7 @@ const root = createRoot(element, { onCaughtError: () => {} });
 let mounted = 0;
 let asked = 0;
 
-// What a canvas, or for WebGPU the node, shows: numbers of RGBA
+// Returns the pixels of the canvas, or with WebGPU of the node, as RGBA numbers.
 async function image(renderer) {
   if (renderer === 'webgpu') return halves(found.renderer, found.bokeh.result);
   const context = new OffscreenCanvas(...SIZE).getContext('2d');
@@ -95,7 +95,7 @@ async function halves(renderer, target) {
 }
 
 window.bokeh = {
-  // { image, error, logged } of the page with these settings. anew: all of it mounted again
+  // Returns { image, error, logged } of the page with these settings. `anew` mounts the whole page again.
   async show({ anew = false, ...settings }) {
     if (anew) mounted += 1;
     Object.assign(found, { error: null });
@@ -105,13 +105,13 @@ window.bokeh = {
     for (let i = 0; i < SILENT && found.number !== asked && !found.error; i++) await frame();
     for (let i = 0; i < FRAMES; i++) await frame();
     const { error } = found;
-    // shaders are compiled beside the frames, and one frame draws with them
+    // shaders are compiled between frames, so wait until they are, and then for a frame that uses them
     while (!error && found.bokeh.changing && found.bokeh.passes !== found.bokeh.changing.passes) await frame();
     await frame();
     return { error, logged: [...logged], image: error ? null : await image(settings.renderer) };
   },
 
-  // What the node draws by hand, with a renderer of its own
+  // Returns what PolygonBokehNode draws without React, with a renderer of its own.
   async byHand() {
     const renderer = new WebGPURenderer();
     renderer.setSize(...SIZE);

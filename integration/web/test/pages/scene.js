@@ -1,4 +1,4 @@
-// What webgl.js and webgpu.js share: a scene of planes that face the camera, and calls that mean the same for both classes.
+// The code that webgl.js and webgpu.js share: a scene of planes that face the camera, and calls that both pages have.
 
 import * as THREE from 'three';
 
@@ -12,7 +12,8 @@ function plane(scene, color, size, x, z, options = {}) {
   return mesh;
 }
 
-// A sharp plane at 4 m, one before and one behind it, which is so many times as bright as white, and a wall
+// Returns a scene with a sharp plane at 4 m (`subject`), a plane in front of it, a plane behind it and a wall. The
+// plane behind it is `light` times as bright as white.
 export function makeScene(light, camera = new THREE.PerspectiveCamera(45, SIZE[0] / SIZE[1], 0.1, 50)) {
   const scene = new THREE.Scene();
   scene.background = new THREE.Color(0.02, 0.03, 0.05);
@@ -23,12 +24,13 @@ export function makeScene(light, camera = new THREE.PerspectiveCamera(45, SIZE[0
   return { scene, camera, subject };
 }
 
-// Glass on layer 1, half behind the subject
+// Adds glass on layer 1; one half of it is behind the subject.
 export function addGlass({ scene }) {
   plane(scene, 0x00ff00, 1.2, 0.7, -4.5, { transparent: true, opacity: 0.5, depthWrite: false }).layers.set(1);
 }
 
-// What is said of a picture without the glass, and of others with it: colours at three places
+// Returns the colours at three points of several images: the first without the glass, the others with it. Also returns
+// whether the scene still has its background, and the camera's layer mask.
 export function glassFound(images, { scene, camera }) {
   const at = (image, x, y) => image.slice(4 * (y * SIZE[0] + x), 4 * (y * SIZE[0] + x) + 3);
   const found = {};
@@ -42,9 +44,10 @@ export const off = (a, b) => Math.max(...a.map((value, i) => Math.abs(value - b[
 export const total = (image) => image.reduce((sum, value, i) => (i % 4 < 3 ? sum + value : sum), 0);
 export const inMiddle = (image) => image.slice(4 * (32 * SIZE[0] + 48), 4 * (32 * SIZE[0] + 48) + 3);
 
-// The calls that both pages have; `newWorld`, `chain` and `drawn` are the page's own
+// Returns the calls that both pages have. `newWorld`, `chain` and `drawn` are functions of the page.
 export const calls = (renderer, newWorld, chain, drawn) => ({
-  // Uniforms of an extra set to what changes nothing, and to what does: how far from a pass without it
+  // Sets the uniforms of an extra first to neutral values, then to others. Returns how much each image differs from the
+  // image without the extra.
   async extra([name, neutral, values, options]) {
     const plain = await drawn(chain(newWorld(), options));
     const found = [];
@@ -62,7 +65,7 @@ export const calls = (renderer, newWorld, chain, drawn) => ({
     return { bytes: made.bokeh.memory, passes: made.bokeh.passes.length };
   },
 
-  // A transparent canvas: the result over a page's colour, and the scene before that colour, blurred
+  // Compares a transparent canvas over the colour of a page with the blurred scene whose background has that colour.
   async alpha(options) {
     const world = newWorld();
     const { scene } = world;
@@ -72,7 +75,7 @@ export const calls = (renderer, newWorld, chain, drawn) => ({
     renderer.setClearColor(0, 0);
     const clear = await drawn(chain(world, { ...options, alpha: true }));
     scene.background = new THREE.Color(...page);
-    // with alpha too: without it a pixel beside a brighter one may get that one's circle of confusion
+    // with alpha here too: without it, a pixel next to a brighter one may get the circle of confusion of that pixel
     const truth = await drawn(chain(world, { ...options, alpha: true }));
     renderer.setClearColor(0, 1);
     const over = clear.map((value, i) => (i % 4 < 3 ? value + page[i % 4] * (1 - clear[i - (i % 4) + 3]) : 1));

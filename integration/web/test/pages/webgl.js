@@ -1,4 +1,4 @@
-// What three.test.js asks of the classes for WebGLRenderer, in the scene of scene.js.
+// The page with which three.test.js tests the classes for WebGLRenderer, in the scene of scene.js.
 
 import * as THREE from 'three';
 import { EffectComposer } from 'three/addons/postprocessing/EffectComposer.js';
@@ -17,7 +17,9 @@ console.warn = (...said) => warnings.push(said.join(' '));
 
 const makeScene = () => sceneOf(8);
 
-// { composer, bokeh, scenePass, ... } with passes between the scene and the bokeh, and after it
+// Creates a composer with the bokeh. Returns { composer, bokeh, scenePass }.
+//   between  number of passes between the scene and the bokeh
+//   after    function from the bokeh to the passes after it
 function chain({ scene, camera, subject }, options, { samples = 0, depth = true, between = 0, after = () => [] } = {}) {
   const depthTexture = depth ? new THREE.DepthTexture(1, 1, THREE.FloatType) : null;
   const target = new THREE.WebGLRenderTarget(...SIZE, { type: THREE.HalfFloatType, depthTexture, samples });
@@ -33,7 +35,7 @@ function chain({ scene, camera, subject }, options, { samples = 0, depth = true,
   return { composer, bokeh, scenePass };
 }
 
-// RGBA of what the chain drew, as numbers
+// Draws frames, and returns the pixels of the last one as RGBA numbers.
 function drawn({ composer }, frames = 1) {
   for (let i = 0; i < frames; i++) composer.render();
   const halves = new Uint16Array(4 * SIZE[0] * SIZE[1]);
@@ -41,7 +43,6 @@ function drawn({ composer }, frames = 1) {
   return Array.from(halves, THREE.DataUtils.fromHalfFloat);
 }
 
-// Surfaces over the subject at 4 m, the wall at 12 m or the sky: [metres, material] from back to front, and metres expected
 const glass = (opacity, options = {}) => new THREE.MeshBasicMaterial({ transparent: true, opacity, ...options });
 const faint = new THREE.DataTexture(new Uint8Array([255, 255, 255, 51]), 1, 1); // an alpha of 0.2
 faint.needsUpdate = true;
@@ -51,6 +52,10 @@ const OWN_OUTPUT = {
   vertexShader: 'void main() { gl_Position = projectionMatrix * modelViewMatrix * vec4(position, 1.0); }',
   fragmentShader: 'out highp vec4 mine; void main() { mine = vec4(1.0, 0.0, 0.0, 0.5); }',
 };
+// Surfaces in front of the subject at 4 m, the wall at 12 m or the sky:
+//   at        pixel to look at
+//   surfaces  [metres, material], from back to front
+//   metres    the depth expected there
 const WEIGHTED = {
   subject: { at: [48, 34], surfaces: [], metres: 4 },
   wall: { at: [48, 4], surfaces: [], metres: 12 },
@@ -84,7 +89,8 @@ window.bokeh = {
 
   stops: () => thrown(() => new PolygonBokehPass(new THREE.PerspectiveCamera()).setLens(0)),
 
-  // Without depth, and with an empty one: what was said, and how far from the colour that went in
+  // For no depth, an empty depth and a correct one, returns the warnings, and how much the image differs from the
+  // input.
   async warned() {
     const world = makeScene();
     const found = {};
@@ -102,7 +108,9 @@ window.bokeh = {
     return found;
   },
 
-  // A bokehScale of 0: passes that draw, in a chain and as its last one, and how far from the colour that went in
+  // For a bokehScale of 0, returns how many passes are drawn in the middle of a chain (inChain) and at its end
+  // (onScreen), how much the image differs from the input (off) and from the blurred image (acts), and whether the blur
+  // comes back (again: 0).
   unblurred() {
     const world = makeScene();
     const scene = drawn(chain(world, {}, { depth: false }));
@@ -127,7 +135,7 @@ window.bokeh = {
     return { off: off0, inChain, onScreen, acts: off(blurred, scene), again: off(drawn(made), blurred) };
   },
 
-  // A pass between the scene and the bokeh, with depthOf: as without it
+  // Returns how much one and two passes between the scene and the bokeh change the image, with depthOf.
   between() {
     const world = makeScene();
     const direct = drawn(chain(world, {}));
@@ -137,8 +145,9 @@ window.bokeh = {
     });
   },
 
-  // Metres of depthWithOpacity at some pixels, in two frames, behind what is in WEIGHTED; whether the scene has its
-  // materials again, and the textures and programs left when the pass is disposed of
+  // Returns the metres of depthWithOpacity at the pixels of WEIGHTED, in two frames, and the metres expected. Also
+  // returns whether the scene has its materials again (same), and how many programs are freed when the pass is disposed
+  // of.
   weighted(orthographic) {
     const world = makeScene();
     const { scene } = world;
@@ -172,7 +181,8 @@ window.bokeh = {
     return { metres, wanted, same: String(before) === String(materials()), freed: length - renderer.info.programs.length };
   },
 
-  // Depth of a nested object from a camera in a scaled rig: as focusOn has it, and as the depth buffer does
+  // Returns the depth of a nested object from a camera in a scaled rig: as focusOn computes it (focus), as the depth
+  // buffer has it (drawn), and as depthOf computes it for a point (place).
   focus() {
     const { scene, camera, subject } = makeScene();
     const [rig, nest] = [new THREE.Group(), new THREE.Group()];
@@ -188,7 +198,7 @@ window.bokeh = {
     return { focus: bokeh.uniforms.focusDistance.value, drawn: metres[0], place: bokeh.depthOf({ x: 0, y: 0, z: -5 }) };
   },
 
-  // The focus distance a frame later, of [from, dt, depths]
+  // Returns the focus distance a frame later, for each [from, dt, depths].
   pulls(cases) {
     const { bokeh } = chain(makeScene(), {});
     const { focusDistance } = bokeh.uniforms;
@@ -199,7 +209,9 @@ window.bokeh = {
     });
   },
 
-  // Options changed: how far from a pass that had them from the beginning, and the programs that its first frame made
+  // Changes options. Returns how much the image differs from that of a pass that was created with them (off), how many
+  // programs the first frame compiled (added), and how many textures remain after the options are changed back
+  // (leaked).
   async changed(change) {
     const world = makeScene();
     const made = chain(world, {});
@@ -215,7 +227,8 @@ window.bokeh = {
     return { off: off(result, drawn(chain(world, change))), added, leaked };
   },
 
-  // Two changes at once: the last one counts. One that is refused changes nothing.
+  // Makes three changes at once, of which only the last must take effect, and then an invalid one, which must change
+  // nothing. Returns the options afterwards, and the error.
   async raced() {
     const made = chain(makeScene(), {});
     drawn(made);
@@ -225,7 +238,7 @@ window.bokeh = {
     return { sides: made.bokeh.options.sides, preset: made.bokeh.options.preset, error };
   },
 
-  // Another camera: as a chain that had it from the beginning
+  // Sets another camera. Returns how much the image differs from that of a chain that was created with this camera.
   camera() {
     const world = makeScene();
     const made = chain(world, {});
@@ -239,7 +252,7 @@ window.bokeh = {
     return off(drawn(made), drawn(wanted));
   },
 
-  // Glass: the picture without it and with it, at three places
+  // Returns the colours at three points of the image, without glass and with it.
   glass() {
     const world = makeScene();
     const without = drawn(chain(world, {}));
@@ -248,7 +261,8 @@ window.bokeh = {
     return glassFound([without, result], world);
   },
 
-  // Four samples a pixel: how far from one in the middle of the subject, and what share of its light a picture keeps
+  // Compares four samples per pixel with one. Returns how much the middle of the subject differs, and the fraction of
+  // its light that each image keeps when it is blurred.
   samples() {
     const world = makeScene();
     const [several, one] = [4, 0].map((samples) => {

@@ -1,4 +1,4 @@
-// What three-webgpu.test.js asks of the class for WebGPURenderer, in the scene of scene.js.
+// The page with which three-webgpu.test.js tests the class for WebGPURenderer, in the scene of scene.js.
 
 import * as THREE from 'three/webgpu';
 import { add, mrt, normalView, output, pass, texture, vec4 } from 'three/tsl';
@@ -7,7 +7,7 @@ import { ao } from 'three/addons/tsl/display/GTAONode.js';
 import { PolygonBokehNode } from 'polygonal-bokeh/three-webgpu';
 import { SIZE, addGlass, calls, glassFound, inMiddle, makeScene as sceneOf, off, total } from './scene.js';
 
-// How many pipelines were made while the caller waited
+// How many pipelines were created synchronously, while the caller waited
 let pipelines = 0;
 const { createRenderPipeline } = GPUDevice.prototype;
 GPUDevice.prototype.createRenderPipeline = function (...given) {
@@ -40,7 +40,8 @@ async function drawn({ bokeh, pipeline }, other = renderer) {
   return Array.from(halves, THREE.DataUtils.fromHalfFloat);
 }
 
-// A chain of other nodes: build(scenePass) gives the arguments of PolygonBokehNode, after(bokeh) what is shown
+// Creates a chain with other nodes. build(scenePass, camera) returns the arguments of PolygonBokehNode, and
+// after(bokeh) returns the node to show.
 function graph({ scene, camera, subject }, build, after = (bokeh) => bokeh) {
   const scenePass = pass(scene, camera);
   const bokeh = new PolygonBokehNode(...build(scenePass, camera));
@@ -49,7 +50,7 @@ function graph({ scene, camera, subject }, build, after = (bokeh) => bokeh) {
   return { bokeh, pipeline: new Pipeline(renderer, after(bokeh)), scene };
 }
 
-// Colour times ambient occlusion, as three.js's examples have it
+// Returns the arguments for colour times ambient occlusion, as in the examples of three.js.
 function occluded(scenePass, camera) {
   scenePass.setMRT(mrt({ output, normal: normalView }));
   const depth = scenePass.getTextureNode('depth');
@@ -65,14 +66,15 @@ window.bokeh = {
 
   refused: (options) => message(async () => new PolygonBokehNode(pass(...Object.values(makeScene()).slice(0, 2)), options)),
 
-  // A depth buffer that cannot be read: what render() throws
+  // Returns the error that render() throws for a depth buffer that cannot be read.
   async logarithmic() {
     const other = new THREE.WebGPURenderer({ logarithmicDepthBuffer: true });
     await other.init();
     return message(async () => chain(makeScene(), {}, other).pipeline.render());
   },
 
-  // WebGL under WebGPURenderer: what two frames warn of, and how far their picture is from the scene's own
+  // Draws two frames with WebGPURenderer on WebGL. Returns the warnings, how much the image differs from the scene's,
+  // and its light.
   async fallback() {
     const other = new THREE.WebGPURenderer({ forceWebGL: true });
     other.setSize(...SIZE);
@@ -107,7 +109,8 @@ window.bokeh = {
     return { off: off(result, wanted), acts: off(before, wanted), added };
   },
 
-  // A bokehScale of 0: how many renders fewer there are, of how many passes, and how far from the scene
+  // For a bokehScale of 0, returns how many fewer renders there are, the number of passes, how much the image differs
+  // from the scene (off), how much the blurred image does (acts), and whether the blur comes back (again: 0).
   async unblurred() {
     const made = chain(makeScene(), {});
     const { render } = renderer;
@@ -130,7 +133,8 @@ window.bokeh = {
     return { fewer, passes: made.bokeh.passes.length, off: off(image, scene), acts: off(blurred, scene), again };
   },
 
-  // Frames while the shaders of a change are compiled: how far from those before it, and how many there were
+  // Draws frames while the shaders of a change are compiled. Returns how much they differ from a frame before the
+  // change, and how many there were.
   async between(change) {
     const made = chain(makeScene(), {});
     const before = await drawn(made);
@@ -146,7 +150,8 @@ window.bokeh = {
     return { off: Math.max(...found), count: found.length };
   },
 
-  // Another camera of another kind, and the planes that the node reads
+  // Sets a camera of another kind. Returns how much the image differs from that of a node that was created with this
+  // camera, and the kind of depth and the far plane that the node uses.
   async camera() {
     const made = chain(makeScene(), {});
     await drawn(made);
@@ -158,7 +163,9 @@ window.bokeh = {
     return { off: off(await drawn(made), await drawn(wanted)), kind: depthKind.value, far: farPlane.value };
   },
 
-  // (color, depth, camera): how far from the node of the pass, and of half the colour, doubled; which camera counts
+  // Creates nodes from (color, depth, camera). Returns how much their image differs from that of the node of a scene
+  // pass: for the same colour (same), and for half the colour, with the result doubled (half). Also returns the kind of
+  // depth and the far plane after another camera is set.
   async nodes() {
     const plain = await drawn(chain(makeScene(), {}));
     const depthOf = (scenePass) => scenePass.getTextureNode('depth');
@@ -172,8 +179,9 @@ window.bokeh = {
     return { same: off(same, plain), half: off(doubled, plain), kind: depthKind.value, far: farPlane.value };
   },
 
-  // Ambient occlusion before it: how far from the bokeh of a texture with the same pixels, and from none; after a resize,
-  // [width, height] of the picture. Worlds of their own: old versions of three.js mix up passes of one scene.
+  // Draws ambient occlusion before the bokeh. Returns how much the image differs from the bokeh of a texture with the
+  // same pixels (baked), and from the bokeh without occlusion (acts), and the size of the image after a resize. Each
+  // chain has a scene of its own, because old versions of three.js mix up several passes of one scene.
   async occlusion() {
     const worldOf = () => {
       const world = makeScene();
@@ -194,7 +202,8 @@ window.bokeh = {
     return { baked: off(found, same), acts: off(found, without), resized: made.bokeh.size, revision: Number(THREE.REVISION) };
   },
 
-  // Bloom after it, which draws its input in shaders of its own: light added, and the bokeh drawn once
+  // Adds bloom after the bokeh, which draws its input in shaders of its own. Returns how much the result of the bokeh
+  // differs from the result without bloom.
   async bloom() {
     const world = makeScene();
     const plain = await drawn(chain(world, {}));
@@ -202,7 +211,8 @@ window.bokeh = {
     return { off: off(await drawn(made), plain) };
   },
 
-  // Temporal anti-aliasing before it, where three.js has it: a moving jitter, another texture in each frame
+  // Adds temporal anti-aliasing before the bokeh: the camera jitters, and the texture is another one in each frame.
+  // Returns null if this version of three.js has no TRAANode.
   async traa() {
     if (Number(THREE.REVISION) < 180) return null;
     const { traa } = await import('three/addons/tsl/display/TRAANode.js');
@@ -219,7 +229,7 @@ window.bokeh = {
     return { middle: off(inMiddle(image), inMiddle(plain)), light: total(image) / total(plain) };
   },
 
-  // What the constructor says to arguments that are none
+  // Returns the errors that the constructor throws for invalid arguments.
   wrongNodes() {
     const { scene, camera } = makeScene();
     const scenePass = pass(scene, camera);
@@ -229,7 +239,7 @@ window.bokeh = {
     return Promise.all(given.map((one) => message(async () => new PolygonBokehNode(...one))));
   },
 
-  // Glass: the picture without it and with it, at three places
+  // Returns the colours at three points of the image, without glass, and in two frames with it.
   async glass() {
     const world = makeScene();
     const without = await drawn(chain(world, {}));
@@ -238,7 +248,8 @@ window.bokeh = {
     return glassFound([without, await drawn(made), await drawn(made)], world);
   },
 
-  // Four samples a pixel: how far from one in the middle of the subject, and what share of the light is kept
+  // Compares four samples per pixel with one. Returns how much the middle of the subject differs, and the quotient of
+  // the two amounts of light.
   async samples() {
     const [several, one] = [await drawn(chain(makeScene(), {}, renderer, { samples: 4 })), await drawn(chain(makeScene(), {}))];
     return { middle: off(inMiddle(several), inMiddle(one)), light: total(several) / total(one) };
