@@ -1410,7 +1410,6 @@ BokehGather BokehGatherLastRing(BokehGather before, BOKEH_TEXTURE MapSamp, bool 
             ring.end = many;
             gather = BokehGatherRing(gather, MapSamp, ring, polygon, layers);
         }
-        gather.inner = ring.outer;
     }
     return gather;
 }
@@ -1662,6 +1661,8 @@ vec4 BokehComposite(BOKEH_TEXTURE MapSamp, BOKEH_TEXTURE GatherTilesSamp, BOKEH_
         }
     }
     float alpha = clamp(nearLayer.a * BOKEH_TUNED_NEAR_ALPHA, 0.0, 1.0);
-    result = result * (1.0 - alpha) + nearLayer.rgb * (alpha / max(nearLayer.a, 0.000001));
+    // alpha / nearLayer.a, without a division by 0
+    float opacity = min(BOKEH_TUNED_NEAR_ALPHA, 1.0 / max(nearLayer.a, 0.000001));
+    result = result * (1.0 - alpha) + nearLayer.rgb * opacity;
     return vec4(result, centerPixel.a);
 }

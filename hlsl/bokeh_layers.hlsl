@@ -1430,7 +1430,6 @@ BokehGather BokehGatherLastRing(BokehGather before, BOKEH_TEXTURE MapSamp, bool 
             ring.end = many;
             gather = BokehGatherRing(gather, MapSamp, ring, polygon, layers BOKEH_LINEAR);
         }
-        gather.inner = ring.outer;
     }
     return gather;
 }
@@ -1689,6 +1688,8 @@ float4 BokehComposite(BOKEH_TEXTURE MapSamp, BOKEH_TEXTURE GatherTilesSamp, BOKE
         }
     }
     float alpha = clamp(nearLayer.a * BOKEH_TUNED_NEAR_ALPHA, 0.0, 1.0);
-    result = result * (1.0 - alpha) + nearLayer.rgb * (alpha / max(nearLayer.a, 0.000001));
+    // alpha / nearLayer.a, without a division by 0
+    float opacity = min(BOKEH_TUNED_NEAR_ALPHA, 1.0 / max(nearLayer.a, 0.000001));
+    result = result * (1.0 - alpha) + nearLayer.rgb * opacity;
     return float4(result, centerPixel.a);
 }

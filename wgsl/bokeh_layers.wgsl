@@ -1400,7 +1400,6 @@ fn BokehGatherLastRing(before: BokehGather, MapSamp: texture_2d<f32>, isDense: b
             ring.end = many;
             gather = BokehGatherRing(gather, MapSamp, ring, polygon, layers, BokehLinearClamp);
         }
-        gather.inner = ring.outer;
     }
     return gather;
 }
@@ -1665,6 +1664,8 @@ fn BokehComposite(MapSamp: texture_2d<f32>, GatherTilesSamp: texture_2d<f32>,
         }
     }
     let alpha: f32 = clamp(nearLayer.a * BOKEH_TUNED_NEAR_ALPHA, 0.0, 1.0);
-    result = result * (1.0 - alpha) + nearLayer.rgb * (alpha / max(nearLayer.a, 0.000001));
+    // alpha / nearLayer.a, without a division by 0
+    let opacity: f32 = min(BOKEH_TUNED_NEAR_ALPHA, 1.0 / max(nearLayer.a, 0.000001));
+    result = result * (1.0 - alpha) + nearLayer.rgb * opacity;
     return vec4f(result, centerPixel.a);
 }

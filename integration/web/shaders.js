@@ -1200,8 +1200,7 @@ gather=BokehGatherRing(gather,MapSamp,ring,polygon,layers);
 if(isDense&&many>few){
 ring.first=few;
 ring.end=many;
-gather=BokehGatherRing(gather,MapSamp,ring,polygon,layers);}
-gather.inner=ring.outer;}
+gather=BokehGatherRing(gather,MapSamp,ring,polygon,layers);}}
 return gather;}
 vec3 BokehOutline(sampler2D MapSamp,vec2 center,vec4 pixel,vec3 farColor,float farSlope,BokehLayerContext layers){
 BokehGrid full=BokehFullGrid(layers);
@@ -1330,7 +1329,8 @@ vec3 stack=(sum.rgb+midFill.rgb*cover+farColor*(empty-cover)) /
 max(sum.a+empty,.000001);
 result+=(stack-result)*nearWeight;}}
 float alpha=clamp(nearLayer.a*1.002,0.,1.);
-result=result*(1.-alpha)+nearLayer.rgb*(alpha/max(nearLayer.a,.000001));
+float opacity=min(1.002,1./max(nearLayer.a,.000001));
+result=result*(1.-alpha)+nearLayer.rgb*opacity;
 return vec4(result,centerPixel.a);}
 `,
   bokeh_lens: `
@@ -2424,8 +2424,7 @@ gather=BokehGatherRing(gather,MapSamp,ring,polygon,layers,BokehLinearClamp);
 if(isDense&&many>few){
 ring.first=few;
 ring.end=many;
-gather=BokehGatherRing(gather,MapSamp,ring,polygon,layers,BokehLinearClamp);}
-gather.inner=ring.outer;}
+gather=BokehGatherRing(gather,MapSamp,ring,polygon,layers,BokehLinearClamp);}}
 return gather;}
 fn BokehOutline(MapSamp:texture_2d<f32>,center:vec2f,pixel:vec4f,farColor:vec3f,farSlope:f32,layers:BokehLayerContext,BokehLinearClamp:sampler)->vec3f{
 let full=BokehFullGrid(layers);
@@ -2554,7 +2553,8 @@ let stack=(sum.rgb+midFill.rgb*cover+farColor*(empty-cover)) /
 max(sum.a+empty,.000001);
 result+=(stack-result)*nearWeight;}}
 let alpha=clamp(nearLayer.a*1.002,0.,1.);
-result=result*(1.-alpha)+nearLayer.rgb*(alpha/max(nearLayer.a,.000001));
+let opacity=min(1.002,1./max(nearLayer.a,.000001));
+result=result*(1.-alpha)+nearLayer.rgb*opacity;
 return vec4f(result,centerPixel.a);}
 `,
   bokeh_lens: `

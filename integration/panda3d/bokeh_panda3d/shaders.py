@@ -1821,7 +1821,6 @@ ring.first = few;
 ring.end = many;
 gather = BokehGatherRing(gather, MapSamp, ring, polygon, layers);
 }
-gather.inner = ring.outer;
 }
 return gather;
 }
@@ -2010,7 +2009,8 @@ result += (stack - result) * nearWeight;
 }
 }
 float alpha = clamp(nearLayer.a * BOKEH_TUNED_NEAR_ALPHA, 0.0, 1.0);
-result = result * (1.0 - alpha) + nearLayer.rgb * (alpha / max(nearLayer.a, 0.000001));
+float opacity = min(BOKEH_TUNED_NEAR_ALPHA, 1.0 / max(nearLayer.a, 0.000001));
+result = result * (1.0 - alpha) + nearLayer.rgb * opacity;
 return vec4(result, centerPixel.a);
 }
 #ifndef BOKEH_VIEWPORT

@@ -1748,7 +1748,6 @@ ring.first = few;
 ring.end = many;
 gather = BokehGatherRing(gather, MapSamp, ring, polygon, layers, BokehLinearClamp);
 }
-gather.inner = ring.outer;
 }
 return gather;
 }
@@ -1950,7 +1949,8 @@ result += (stack - result) * nearWeight;
 }
 }
 let alpha: f32 = clamp(nearLayer.a * BOKEH_TUNED_NEAR_ALPHA, 0.0, 1.0);
-result = result * (1.0 - alpha) + nearLayer.rgb * (alpha / max(nearLayer.a, 0.000001));
+let opacity: f32 = min(BOKEH_TUNED_NEAR_ALPHA, 1.0 / max(nearLayer.a, 0.000001));
+result = result * (1.0 - alpha) + nearLayer.rgb * opacity;
 return vec4f(result, centerPixel.a);
 }
 fn BokehUpdatePolygon(polygon: BokehPolygon) -> BokehPolygon

@@ -235,7 +235,12 @@ COUNTED = (
 CHOICES = (
     ("the look of a lens, near objects included", "**`layered`**", "layered"),
     ("lower cost, for scenes in which hardly anything in front of the focus is blurred", "**`exact`**", "exact"),
-    ("the method of [McIntosh, Riecke and DiPaola 2012](paper.md) as published", "`paper`", "paper"),
+    (
+        "the method of [McIntosh, Riecke and DiPaola 2012](paper.md), apart from some "
+        "[details](paper.md#deviations-from-the-listings)",
+        "`paper`",
+        "paper",
+    ),
 )
 
 
