@@ -1255,13 +1255,13 @@ fn BokehHalfTexel(texel: vec4f) -> BokehHalf4
 }
 
 // Layers: says which samples of a ring are gathered
-//   number        of the ring; ring 1 lies around the inner disc
+//   index         of the ring; ring 1 lies around the inner disc
 //   onEdge        samples that the ring has on each edge of the polygon
 //   first, end    the samples of each edge that are gathered: from first to end - 1
 //   outer         where the ring ends, pixels
 struct BokehRing
 {
-    number: i32,
+    index: i32,
     onEdge: i32,
     first: i32,
     end: i32,
@@ -1270,15 +1270,15 @@ struct BokehRing
 
 // Layers: returns a ring of the gather with all its samples
 //   density       number of the ring whose number of samples it takes
-fn BokehMakeRing(number: i32, density: i32, rings: BokehRingLayout,
+fn BokehMakeRing(index: i32, density: i32, rings: BokehRingLayout,
     polygon: BokehPolygon) -> BokehRing
 {
     var ring: BokehRing;
-    ring.number = number;
+    ring.index = index;
     ring.onEdge = BokehSamplesPerEdge(density, polygon);
     ring.first = 0;
     ring.end = ring.onEdge;
-    ring.outer = min(BokehRingBorder(number, rings), rings.radius);
+    ring.outer = min(BokehRingBorder(index, rings), rings.radius);
     return ring;
 }
 
@@ -1299,8 +1299,8 @@ fn BokehGatherRing(before: BokehGather, MapSamp: texture_2d<f32>, ring: BokehRin
     let area: f32 = ring.outer * ring.outer - innerSquare;
     // the same of this pixel's disc, for samples behind its surface
     let ownCovers: f32 = max(min(1.0 - innerSquare * gather.inverse, area * gather.inverse), 0.0);
-    var phase: f32 = layers.jitter * clamp(current / f32(ring.number) - 1.0, 0.0, 1.0);
-    if (ring.number != 2)
+    var phase: f32 = layers.jitter * clamp(current / f32(ring.index) - 1.0, 0.0, 1.0);
+    if (ring.index != 2)
     {
         // all rings but the second are rotated by half a step, so that those beside it fill its
         // gaps
@@ -1356,14 +1356,14 @@ fn BokehGatherRing(before: BokehGather, MapSamp: texture_2d<f32>, ring: BokehRin
 }
 
 // Layers: gathers a ring before the last one, if the preset has it and it begins inside the gather
-//   number        of the ring: 1 .. BOKEH_LAYER_RINGS
-fn BokehGatherInnerRing(before: BokehGather, MapSamp: texture_2d<f32>, number: i32,
+//   index         of the ring: 1 .. BOKEH_LAYER_RINGS
+fn BokehGatherInnerRing(before: BokehGather, MapSamp: texture_2d<f32>, index: i32,
     rings: BokehRingLayout, polygon: BokehPolygon, layers: BokehLayerContext,
     BokehLinearClamp: sampler) -> BokehGather
 {
     var gather: BokehGather = before;
-    let ring: BokehRing = BokehMakeRing(number, number, rings, polygon);
-    if (number <= BOKEH_LAYER_RINGS && gather.inner < ring.outer)
+    let ring: BokehRing = BokehMakeRing(index, index, rings, polygon);
+    if (index <= BOKEH_LAYER_RINGS && gather.inner < ring.outer)
     {
         gather = BokehGatherRing(gather, MapSamp, ring, polygon, layers, BokehLinearClamp);
         gather.inner = ring.outer;
@@ -1580,18 +1580,18 @@ fn BokehComposite(MapSamp: texture_2d<f32>, GatherTilesSamp: texture_2d<f32>,
         }
         else
         {
-            for (var number: i32 = 1; number <= BOKEH_LAYER_RINGS + 1; number++)
+            for (var index: i32 = 1; index <= BOKEH_LAYER_RINGS + 1; index++)
             {
                 if (gather.inner >= radius)
                 {
                     break;
                 }
-                var density: i32 = max(min(number, BOKEH_LAYER_RINGS), 1);
-                if (f32(number) > denseRings)
+                var density: i32 = max(min(index, BOKEH_LAYER_RINGS), 1);
+                if (f32(index) > denseRings)
                 {
                     density = 1;
                 }
-                let ring: BokehRing = BokehMakeRing(number, density, ringLayout, polygon);
+                let ring: BokehRing = BokehMakeRing(index, density, ringLayout, polygon);
                 gather = BokehGatherRing(gather, MapSamp, ring, polygon, layers,
                     BokehLinearClamp);
                 gather.inner = ring.outer;

@@ -28,6 +28,7 @@ LINE = {
 }
 COMMON = {
     "only section [2] of the library reads a texture": SAMPLING,
+    "a word that LOVE has redefined": r"\b(?:number|extern|Image|(?:Array|Cube|Volume)Image)\b",
     "a bit operator: SM3 has none": r"(?<![&|<>])(?:[&|](?![&|])|\^|~|<<|>>)",
     "WGSL cannot assign to a swizzle": r"\.(?:[xyzw]{2,4}|[rgba]{2,4}|[stpq]{2,4}) *(?:[-+*/%]?=(?!=)|\+\+|--)",
 }
