@@ -250,7 +250,9 @@ export class PolygonBokehFrame extends CameraFrame {
   //   extras   common.js
   constructor(app, cameraComponent, options) {
     const bokehOptions = checked('PolygonBokehFrame', options);
-    if (!app.graphicsDevice.textureFloatRenderable) throw new Error('PolygonBokehFrame needs float render targets');
+    if (!app.graphicsDevice.textureFloatRenderable) {
+      throw new Error('polygonal-bokeh, PolygonBokehFrame: this device cannot render to float textures.');
+    }
     super(app, cameraComponent);
     // To be set from outside. Metres, but for maxCoC (fraction of the image height) and rotation (radians, clockwise on
     // the screen).

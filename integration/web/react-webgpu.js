@@ -12,8 +12,8 @@ import { PolygonBokehNode } from './three-webgpu.js';
 
 const OPTIONS = ['method', 'sides', 'preset', 'opaque', 'extras', 'alpha', 'sharpLayer'];
 const RENDERER =
-  'polygonal-bokeh, <PolygonBokeh>: polygonal-bokeh/react-webgpu needs WebGPURenderer, given to <Canvas gl>. With ' +
-  'WebGLRenderer use polygonal-bokeh/react.';
+  'polygonal-bokeh, <PolygonBokeh>: polygonal-bokeh/react-webgpu needs WebGPURenderer. Create it in the property gl of ' +
+  '<Canvas>. With WebGLRenderer, import polygonal-bokeh/react instead.';
 
 // As that of react.js, with options of PolygonBokehNode, and
 //   before  (scenePass, camera) => [color, depth]: nodes between the scene and the bokeh, such as ambient occlusion
