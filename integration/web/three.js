@@ -11,7 +11,7 @@ const GIVE_DEPTH =
   'Create the EffectComposer with a render target that has a depthTexture, or set the option depthTexture. If another ' +
   'pass runs between RenderPass and the bokeh, set the option to depthOf(renderPass).';
 const NO_DEPTH = `polygonal-bokeh: there is no depth, so nothing is blurred. ${GIVE_DEPTH}`;
-const EMPTY_DEPTH = `polygonal-bokeh: the depth is empty, so all is blurred as if it were far away. ${GIVE_DEPTH}`;
+const EMPTY_DEPTH = `polygonal-bokeh: the depth is empty, so everything is blurred as if it were far away. ${GIVE_DEPTH}`;
 // The frame in which it looks whether the depth is empty: by then there is something in most scenes
 const LOOK = 30;
 
