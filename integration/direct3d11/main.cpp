@@ -233,7 +233,8 @@ static ID3DBlob *compile(const wchar_t *file, const char *entry, const char *pro
     HRESULT status = D3DCompileFromFile(file, nullptr, D3D_COMPILE_STANDARD_FILE_INCLUDE, entry, profile, 0, 0, &code,
                                         &messages);
     if (FAILED(status)) {
-        fprintf(stderr, "%s: %s\n", entry, messages ? (char *)messages->GetBufferPointer() : "no such file?");
+        fprintf(stderr, "%s: %s\n", entry,
+                messages ? (char *)messages->GetBufferPointer() : "cannot read the shader file");
         exit(1);
     }
     return code;
@@ -486,7 +487,7 @@ static void make_window()
     window = CreateWindowA("bokeh", "Polygonal bokeh, Direct3D 11", style, CW_USEDEFAULT, CW_USEDEFAULT,
                            area.right - area.left, area.bottom - area.top, nullptr, nullptr, kind.hInstance, nullptr);
     if (!window) {
-        fprintf(stderr, "no window: no display?\n");
+        fprintf(stderr, "cannot open a window: is there a display?\n");
         exit(1);
     }
 }

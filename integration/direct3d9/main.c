@@ -203,7 +203,8 @@ static const DWORD *compile(const wchar_t *file, const char *entry, const char *
     HRESULT status = D3DCompileFromFile(file, NULL, D3D_COMPILE_STANDARD_FILE_INCLUDE, entry, profile, 0, 0, &code,
                                         &messages);
     if (FAILED(status)) {
-        fprintf(stderr, "%s: %s\n", entry, messages ? (char *)ID3D10Blob_GetBufferPointer(messages) : "no such file?");
+        fprintf(stderr, "%s: %s\n", entry,
+                messages ? (char *)ID3D10Blob_GetBufferPointer(messages) : "cannot read the shader file");
         exit(1);
     }
     return (const DWORD *)ID3D10Blob_GetBufferPointer(code);
@@ -254,14 +255,15 @@ static void make_device(void)
     D3DCAPS9 caps;
     direct3d = Direct3DCreate9(D3D_SDK_VERSION);
     if (!direct3d) {
-        fprintf(stderr, "no Direct3D 9\n");
+        fprintf(stderr, "Direct3D 9 is not available\n");
         exit(1);
     }
     CHECK(IDirect3D9_CreateDevice(direct3d, D3DADAPTER_DEFAULT, D3DDEVTYPE_HAL, window,
                                   D3DCREATE_HARDWARE_VERTEXPROCESSING, &present, &device));
     CHECK(IDirect3DDevice9_GetDeviceCaps(device, &caps));
     if (caps.NumSimultaneousRTs < MAX_TARGETS) {
-        fprintf(stderr, "only %lu targets at once: use the passes that end in One or Edge\n", caps.NumSimultaneousRTs);
+        fprintf(stderr, "this GPU can write only %lu targets at once: use the passes whose names end in One or Edge\n",
+                caps.NumSimultaneousRTs);
         exit(1);
     }
     CHECK(IDirect3DDevice9_GetRenderTarget(device, 0, &back_buffer));
@@ -473,7 +475,7 @@ static void make_window(void)
     window = CreateWindowA("bokeh", "Polygonal bokeh, Direct3D 9", style, CW_USEDEFAULT, CW_USEDEFAULT,
                            area.right - area.left, area.bottom - area.top, NULL, NULL, class.hInstance, NULL);
     if (!window) {
-        fprintf(stderr, "no window: no display?\n");
+        fprintf(stderr, "cannot open a window: is there a display?\n");
         exit(1);
     }
 }

@@ -200,7 +200,8 @@ public class BokehFilter extends Filter {
     @Override
     protected void initFilter(AssetManager assets, RenderManager manager, ViewPort view, int width, int height) {
         if (processor.getNumSamples() > 1) {
-            throw new IllegalStateException("BokehFilter reads one sample a pixel: FilterPostProcessor.setNumSamples(1)");
+            throw new IllegalStateException(
+                "BokehFilter needs one sample per pixel: call FilterPostProcessor.setNumSamples(1)");
         }
         camera = view.getCamera();
         textures.clear();

@@ -158,7 +158,7 @@ public class Capture extends Sample {
     void finish(File output) throws IOException {
         boolean same = Arrays.equals(screens.get(1), screens.get(2));
         if (bokeh.isEnabled() || !same || Arrays.equals(screens.get(0), screens.get(1))) {
-            throw new IOException("a bokeh scale of 0 does not leave the scene as it is");
+            throw new IOException("a bokeh scale of 0 changes the image");
         }
         write("color.f16", texture("scene"), Format.RGBA16F);
         float focalLength = 0.5f * 0.024f * cam.getProjectionMatrix().m11;

@@ -94,7 +94,7 @@ return function(folder, addBokeh)
   end
   local off = addBokeh(scene, {})
   off:setLens(scene.fieldOfView, 2.8, 0)
-  assert(off:draw(scene.color, scene.depth) == scene.color, "a bokeh scale of 0 draws")
+  assert(off:draw(scene.color, scene.depth) == scene.color, "a bokeh scale of 0 draws passes")
   write(folder .. "/color.f16", scene.color)
   local stored = bokeh:newPass({ { "metres" }, 1, "vec4(BokehFetchDepth(depth, uv).x)" })
   bokeh:drawPasses({ stored })

@@ -57,7 +57,8 @@ local function writePicture(path)
   local file = assert(io.open(path, "wb"))
   file:write(sheet:newImageData():encode("png"):getString())
   file:close()
-  print(("%s: focus on the pawn %.3f m, picked %.3f m"):format(path, scene:depthOf(scene.subject), math.min(unpack(focus))))
+  local message = "%s: focus at %.3f m on the pawn, at %.3f m by autofocus"
+  print(message:format(path, scene:depthOf(scene.subject), math.min(unpack(focus))))
 end
 
 -- Does what the command line asks for, without showing anything, and quits.

@@ -124,7 +124,7 @@ static void writePicture(const Scene& scene, const std::string& path)
     }
     sheet.save(path);
     const float elsewhere = bokeh->uniforms["BokehFocusDistance"];
-    std::printf("%s: focus on the crates %.3f m, picked %.3f m\n", path.c_str(), focus, elsewhere);
+    std::printf("%s: focus at %.3f m on the crates, at %.3f m by autofocus\n", path.c_str(), focus, elsewhere);
 }
 
 int main(int count, char** arguments)

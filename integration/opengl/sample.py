@@ -79,7 +79,8 @@ def main(path):
 
     rows = [[renderer.picture(renderer.color), hexagon], [fields, octagon]]
     Image.fromarray(np.vstack([np.hstack(row) for row in rows])).save(path, optimize=True)
-    print(f"{path}: {context.info['GL_RENDERER']}; focus on the ball {focus_on(BALL):.3f} m, picked {picked:.3f} m")
+    device = context.info["GL_RENDERER"]
+    print(f"{path}: {device}; focus at {focus_on(BALL):.3f} m on the ball, at {picked:.3f} m by autofocus")
 
 
 if __name__ == "__main__":

@@ -36,10 +36,10 @@ def pixels(base, texture, kind):
     base.graphicsEngine.extractTextureData(texture, base.win.getGsg())
     found = array("f", texture.getRamImageAs("RGBA" if texture.getNumComponents() == 4 else "R").getData())
     if len(found) != texture.getXSize() * texture.getYSize() * texture.getNumComponents():
-        raise ValueError(f"{texture}: {len(found)} values")
+        raise ValueError(f"{texture}: it has {len(found)} values, which does not match its size")
     packed = pack(f"<{len(found)}{kind}", *found)
     if array("f", unpack(f"<{len(found)}{kind}", packed)) != found:
-        raise ValueError(f"{texture}: not what was asked for, its values do not fit {kind!r}")
+        raise ValueError(f"{texture}: its values do not fit {kind!r}")
     return packed
 
 

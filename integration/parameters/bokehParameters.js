@@ -60,7 +60,7 @@ export function bokehParameters(values) {
     const block = new Float32Array(BOKEH_PARAMETERS.length);
     for (const [name, value] of Object.entries(values)) {
         const i = BOKEH_PARAMETERS.indexOf(name);
-        if (i < 0) throw new Error(`no parameter ${name}`);
+        if (i < 0) throw new Error(`there is no parameter ${name}`);
         block[i] = value;
     }
     return block;

@@ -136,7 +136,7 @@ def main(path):
     form = (2 * SIZE[0], 2 * SIZE[1], 1, rl.PIXELFORMAT_UNCOMPRESSED_R8G8B8A8)
     if not rl.ExportImage(ffi.new("Image *", (sheet, *form))[0], path.encode()):
         sys.exit(f"cannot write {path}")
-    print(f"{path}: focus on the drum {focus_on(DRUM):.3f} m, picked {picked:.3f} m")
+    print(f"{path}: focus at {focus_on(DRUM):.3f} m on the drum, at {picked:.3f} m by autofocus")
 
 
 if __name__ == "__main__":

@@ -119,7 +119,7 @@ static void draw(vk::PhysicalDevice gpu, vk::Device device, bool hlsl, std::stri
 int main(int argc, char **argv)
 try {
     if (argc < 4 || argc > 5 || !NAMED.count(argv[2]))
-        throw std::runtime_error("sample glsl|hlsl layered-hexagon|layered-octagon|exact-hexagon|exact-octagon FOLDER [ROTATION]");
+        throw std::runtime_error("usage: sample glsl|hlsl layered-hexagon|layered-octagon|exact-hexagon|exact-octagon FOLDER [ROTATION]");
     const vk::ApplicationInfo application(nullptr, 0, nullptr, 0, VK_API_VERSION_1_3);
     const vk::UniqueInstance instance = vk::createInstanceUnique({{}, &application});
     const vk::PhysicalDevice gpu = instance->enumeratePhysicalDevices().at(0);

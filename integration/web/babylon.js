@@ -304,7 +304,7 @@ export class PolygonBokehTask extends withLens(FrameGraphTask) {
     const { sourceTexture, depthTexture, _frameGraph: graph } = this;
     const { textureManager } = graph;
     if (sourceTexture === undefined || depthTexture === undefined) {
-      throw new Error('polygonal-bokeh, PolygonBokehTask: sourceTexture and depthTexture are not set.');
+      throw new Error('polygonal-bokeh, PolygonBokehTask: set sourceTexture and depthTexture before the graph is built.');
     }
     const { width, height } = textureManager.getTextureDescription(sourceTexture).size;
     const size = [width, height];

@@ -38,7 +38,8 @@ export const uniformsOf = ({ extras }) => Object.assign({}, LENS, ...extras.map(
 // If an option or its value is not valid, it throws an Error that lists the valid ones.
 export function checked(who, given = {}, choices = CHOICES) {
   const refuse = (what, list) => {
-    throw new Error(`polygonal-bokeh, ${who}: ${what}. Give ${list.map((value) => JSON.stringify(value)).join(', ')}.`);
+    const valid = list.map((value) => JSON.stringify(value)).join(', ');
+    throw new Error(`polygonal-bokeh, ${who}: ${what}. Use one of ${valid}.`);
   };
   const options = {};
   for (const [name, values] of Object.entries(choices)) options[name] = name === 'extras' ? [] : values?.[0];
@@ -46,20 +47,22 @@ export function checked(who, given = {}, choices = CHOICES) {
     if (!(name in choices)) refuse(`there is no option ${name}`, Object.keys(choices));
     if (value === undefined) continue;
     const [values, allowed] = name === 'extras' ? [value, Object.keys(EXTRAS)] : [[value], choices[name]];
-    if (!Array.isArray(values)) refuse(`extras is ${JSON.stringify(value)}, not a list`, allowed);
+    if (!Array.isArray(values)) refuse(`extras must be a list, not ${JSON.stringify(value)}`, allowed);
     const wrong = values.find((one) => allowed && !allowed.includes(one));
     if (wrong !== undefined) refuse(`${name} is ${JSON.stringify(wrong)}`, allowed);
     options[name] = value;
   }
-  if (options.method === 'paper' && ![6, 8].includes(options.sides)) refuse(`paper has no ${options.sides} sides`, [6, 8]);
+  if (options.method === 'paper' && ![6, 8].includes(options.sides)) {
+    refuse(`paper cannot draw ${options.sides} sides`, [6, 8]);
+  }
   return options;
 }
 
 // Returns the aperture diameter at an f-stop, multiplied by bokehScale, in the unit of focalLength. Throws an Error if
 // fStop is not above 0, or bokehScale is below 0.
 export function diameter(focalLength, fStop = 2.8, bokehScale = 10) {
-  if (!(fStop > 0)) throw new Error(`polygonal-bokeh: an f-stop of ${fStop}. Give one above 0.`);
-  if (!(bokehScale >= 0)) throw new Error(`polygonal-bokeh: a bokehScale of ${bokehScale}. Give 0 or more.`);
+  if (!(fStop > 0)) throw new Error(`polygonal-bokeh: the f-stop is ${fStop}. It must be above 0.`);
+  if (!(bokehScale >= 0)) throw new Error(`polygonal-bokeh: bokehScale is ${bokehScale}. It must be 0 or above.`);
   return (focalLength / fStop) * bokehScale;
 }
 

@@ -261,7 +261,9 @@ export class PolygonBokehFrame extends CameraFrame {
   // Also throws an Error if the device cannot draw into textures of 32-bit floats.
   constructor(app, cameraComponent, options) {
     const bokehOptions = checked('PolygonBokehFrame', options);
-    if (!app.graphicsDevice.textureFloatRenderable) throw new Error('PolygonBokehFrame needs float render targets');
+    if (!app.graphicsDevice.textureFloatRenderable) {
+      throw new Error('polygonal-bokeh, PolygonBokehFrame: this device cannot render to float textures.');
+    }
     super(app, cameraComponent);
     // The settings, which you may change in every frame: lengths in metres, maxCoC as a fraction of the image height,
     // and rotation in radians, clockwise on the screen. common.d.ts describes all of them.

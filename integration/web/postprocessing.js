@@ -20,7 +20,10 @@ export class PolygonBokehPass extends withPasses(Pass) {
 
   initialize(renderer, alpha, frameBufferType) {
     if (frameBufferType === HalfFloatType) return;
-    console.warn('polygonal-bokeh: lights end at white. Make the EffectComposer with frameBufferType: HalfFloatType.');
+    console.warn(
+      'polygonal-bokeh: no light is brighter than white, so blurred lights become grey. Create the ' +
+        'EffectComposer with frameBufferType: HalfFloatType.',
+    );
   }
 
   setDepthTexture(depthTexture) {

@@ -64,16 +64,16 @@ export function useBokeh(bokeh, props, names, own = []) {
 // Returns what is wrong with the properties, or ''. It is called while React renders, so an error boundary gets the
 // error, and only once.
 function refused({ fStop = 1, bokehScale = 1, ...others }, names, numbers) {
-  if (!(fStop > 0)) return `fStop is ${fStop}. Give a number above 0.`;
-  if (!(bokehScale >= 0)) return `bokehScale is ${bokehScale}. Give 0 or a number above it.`;
+  if (!(fStop > 0)) return `fStop is ${fStop}. It must be a number above 0.`;
+  if (!(bokehScale >= 0)) return `bokehScale is ${bokehScale}. It must be 0 or a number above 0.`;
   for (const [name, value] of Object.entries(others)) {
     if ([...names, ...OF_REACT].includes(name)) continue;
     if (!numbers.includes(name)) {
       const [extra] = Object.entries(EXTRAS).find(([, uniforms]) => name in uniforms) ?? [];
       if (extra) return `${name} needs extras={['${extra}']}.`;
-      return `there is no property ${name}. There are ${[...names, ...numbers].join(', ')}.`;
+      return `there is no property ${name}. The properties are ${[...names, ...numbers].join(', ')}.`;
     }
-    if (value !== undefined && !Number.isFinite(value)) return `${name} is ${value}. Give a number.`;
+    if (value !== undefined && !Number.isFinite(value)) return `${name} is ${value}. It must be a finite number.`;
   }
   return '';
 }

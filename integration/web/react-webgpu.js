@@ -12,8 +12,8 @@ import { PolygonBokehNode } from './three-webgpu.js';
 
 const OPTIONS = ['method', 'sides', 'preset', 'opaque', 'extras', 'alpha', 'sharpLayer'];
 const RENDERER =
-  'polygonal-bokeh, <PolygonBokeh>: polygonal-bokeh/react-webgpu needs WebGPURenderer, given to <Canvas gl>. With ' +
-  'WebGLRenderer use polygonal-bokeh/react.';
+  'polygonal-bokeh, <PolygonBokeh>: polygonal-bokeh/react-webgpu needs WebGPURenderer. Create it in the property gl of ' +
+  '<Canvas>. With WebGLRenderer, import polygonal-bokeh/react instead.';
 
 // Has the properties of the component in react.js, with the options of PolygonBokehNode, and two more:
 //   before  (scenePass, camera) => [color, depth]: adds nodes between the scene and the bokeh, such as ambient

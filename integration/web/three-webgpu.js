@@ -16,17 +16,18 @@ const CHOICES = { ...THREE_CHOICES, sharpLayer: undefined };
 const TYPES = { depthKind: 'i32', imageSize: 'vec2f', uv: 'vec2f', Linear: 'sampler' };
 
 const WEBGL =
-  'polygonal-bokeh: nothing is blurred. PolygonBokehNode needs WebGPU, and this renderer fell back to WebGL 2. ' +
-  'PolygonBokehPass works with WebGLRenderer.';
+  'polygonal-bokeh: nothing is blurred, because PolygonBokehNode needs WebGPU, and this renderer fell back to WebGL 2. ' +
+  'For WebGL, use PolygonBokehPass with WebGLRenderer.';
 const LOGARITHMIC =
-  'polygonal-bokeh: PolygonBokehNode cannot read logarithmicDepthBuffer of WebGPURenderer: log(metres / near) / ' +
-  "log(far / near) is none of bokeh.wgsl's kinds of depth. Use reversedDepthBuffer.";
+  'polygonal-bokeh: PolygonBokehNode cannot read logarithmicDepthBuffer of WebGPURenderer, because bokeh.wgsl cannot ' +
+  'convert its depth, log(metres / near) / log(far / near), to metres. Use reversedDepthBuffer instead.';
 
 const INPUTS =
   'polygonal-bokeh: PolygonBokehNode takes (scenePass, options), or (color, depth, camera, options), where depth is the ' +
   "node of a depth texture, such as scenePass.getTextureNode('depth').";
 const SHARP =
-  'polygonal-bokeh: sharpLayer needs (scenePass, options). With (color, depth, camera), draw the glass after the bokeh.';
+  'polygonal-bokeh: the option sharpLayer needs the arguments (scenePass, options). With (color, depth, camera, ' +
+  'options), draw the glass after the bokeh.';
 
 // Returns a material without blending: alpha is not opacity, but the circle of confusion or a layer's weight
 const material = (fragmentNode) => Object.assign(new NodeMaterial(), { fragmentNode, blending: NoBlending });

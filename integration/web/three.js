@@ -8,10 +8,10 @@ import { FullScreenQuad, Pass } from 'three/addons/postprocessing/Pass.js';
 import { FLOAT, withPasses } from './three-passes.js';
 
 const GIVE_DEPTH =
-  'Give the composer a target with a depthTexture, or the option depthTexture; where a pass stands between RenderPass ' +
-  'and the bokeh, depthTexture: depthOf(renderPass).';
-const NO_DEPTH = `polygonal-bokeh: no depth, so nothing is blurred. ${GIVE_DEPTH}`;
-const EMPTY_DEPTH = `polygonal-bokeh: the depth is empty, so all is blurred as if it were far away. ${GIVE_DEPTH}`;
+  'Create the EffectComposer with a render target that has a depthTexture, or set the option depthTexture. If another ' +
+  'pass runs between RenderPass and the bokeh, set the option to depthOf(renderPass).';
+const NO_DEPTH = `polygonal-bokeh: there is no depth, so nothing is blurred. ${GIVE_DEPTH}`;
+const EMPTY_DEPTH = `polygonal-bokeh: the depth is empty, so everything is blurred as if it were far away. ${GIVE_DEPTH}`;
 // Number of the frame in which the pass checks whether the depth is empty: by then, most scenes show something
 const LOOK = 30;
 

@@ -116,7 +116,7 @@ async function render(side) {
     const camera = { aperture: (focal / stop) * scale, focal, focus, sensor: data.sensor };
     const others = await import("./others.js");
     view.put(`${side} ${method}`, await others.draw(method, camera, current));
-    drawn[side] = { key, name: method, facts: "a disc" };
+    drawn[side] = { key, name: method, facts: "round bokeh" };
     return;
   }
   const passes = frame(data, settings, current.color.size);
@@ -163,7 +163,7 @@ function tellUnder() {
 function ofTruth() {
   const traced = tracedLens();
   const same = Object.entries(traced).every(([name, value]) => state[name] === value);
-  return same ? "" : `ray traced at f/${traced.stop.toFixed(1)}, scale ${traced.scale}, ${traced.focus} m, 6 blades only`;
+  return same ? "" : `ray traced only at f/${traced.stop.toFixed(1)}, scale ${traced.scale}, ${traced.focus} m, 6 blades`;
 }
 
 function tracedLens() {
@@ -176,7 +176,7 @@ async function choose(index) {
   const scene = scenes[index];
   say("");
   const pictures = scene.color ? scene : await embedded(scene.file);
-  if (Math.max(...pictures.color.size) > view.largest()) throw new Error("this picture is larger than a texture here");
+  if (Math.max(...pictures.color.size) > view.largest()) throw new Error("this image is too large for a texture");
   await after(() => take(index, pictures));
   await reset();
 }
@@ -185,7 +185,7 @@ function take(index, pictures) {
   view.load(pictures);
   current = pictures;
   pointer = null;
-  byId("under").textContent = "point at the picture";
+  byId("under").textContent = "point at the image to see its depth";
   for (const side of SIDES) {
     delete drawn[side];
     byId(side).querySelector("[value=truth]").disabled = !pictures.loadTruth;

@@ -30,10 +30,10 @@ export async function dropped(files) {
   const other = files.find((second) => second !== file);
   const { color, depth } = await decoded(file);
   const metres = depth ?? (other && depthOf(await decoded(other)));
-  if (!metres) throw new Error(`${file.name}: no depth. Give an EXR with a channel Z, or a picture and its depth.png`);
+  if (!metres) throw new Error(`${file.name}: it has no depth. Open an EXR with a channel Z, or an image with its depth.png`);
   const [width, height] = color.size;
   if (`${metres.size}` !== `${color.size}`) {
-    throw new Error(`depth is ${metres.size.join(" x ")}, the picture ${width} x ${height}`);
+    throw new Error(`depth is ${metres.size.join(" x ")}, but the image is ${width} x ${height} pixels`);
   }
   const middle = metres.data[(height >> 1) * width + (width >> 1)];
   const focus = Math.min(Math.max(middle || 5, 0.5), 64);
@@ -77,13 +77,16 @@ function depthOf({ color: { size }, depth, bytes }) {
 function readExr(bytes) {
   const channels = channelsOf(bytes);
   const rgb = channels.filter(({ name }) => ["R", "G", "B", "A"].includes(name));
-  if (rgb.length < 3) throw new Error(`no channels R G B; it has ${channels.map(({ name }) => name).join(" ") || "none"}`);
-  if (new Set(rgb.map(({ type }) => type)).size > 1) throw new Error("R, G and B are of different types");
+  const names = channels.map(({ name }) => name).join(" ") || "none";
+  if (rgb.length < 3) throw new Error(`it needs the channels R G B, but has ${names}`);
+  if (new Set(rgb.map(({ type }) => type)).size > 1) throw new Error("the channels R, G and B have different types");
   if (channels.some(({ subsampled }) => subsampled)) throw new Error("a channel is subsampled");
   // with PIZ and DWA, the loader assumes that all channels have the same type; for a PIZ with two types, it never
   // returns
   const together = TOGETHER.includes(bytes[attribute(bytes, "compression", "compression")]);
-  if (together && channels.some(({ type }) => type !== rgb[0].type)) throw new Error("channels of two types; save it with ZIP");
+  if (together && channels.some(({ type }) => type !== rgb[0].type)) {
+    throw new Error("its channels have different types. Save it with ZIP compression");
+  }
   const half = rgb[0].type === 1;
   const picture = new EXRLoader().setDataType(half ? HalfFloatType : FloatType).parse(bytes.buffer);
   const size = [picture.width, picture.height];

@@ -108,7 +108,7 @@ for (const name of ["BokehPass", "DepthOfFieldEffect"]) {
     await choose(0);
     await page.evaluate(() => bokeh.traced());
     const said = await set({ left: "input", right: name });
-    assert.equal(said.facts, "a disc");
+    assert.equal(said.facts, "round bokeh");
     assert.equal(said.said, "");
     await leave("market_7", "right", [name]);
   });
@@ -186,9 +186,9 @@ test("controls: sliders, lists, divider, a click that focuses, the readout, keys
 test("a file that cannot be read is refused in one line", async (t) => {
   const bad = Buffer.from("no picture");
   const refusals = [
-    ["depth is 40 x 24, the picture 160 x 90", [["a.exr", given("color.exr")], ["a_depth.png", given("a depth.png")]]],
-    ["no.exr: no depth", [["no.exr", given("color.exr")]]],
-    ["piz.exr: channels of two types; save it with ZIP", [["piz.exr", given("two types.exr")]]],
+    ["depth is 40 x 24, but the image is 160 x 90 pixels", [["a.exr", given("color.exr")], ["a_depth.png", given("a depth.png")]]],
+    ["no.exr: it has no depth", [["no.exr", given("color.exr")]]],
+    ["piz.exr: its channels have different types. Save it with ZIP compression", [["piz.exr", given("two types.exr")]]],
     ["bad.exr: not an EXR file", [["bad.exr", bad]]],
     ["cut.exr: ", [["cut.exr", given("piz.EXR").subarray(0, 900)]]],
     ["bad.png: ", [["bad.png", bad]]],

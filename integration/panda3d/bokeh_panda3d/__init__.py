@@ -108,7 +108,7 @@ class DepthOfField:
             colortex=self.scene["color"], depthtex=self.scene["depth"], fbprops=hdr
         )
         if self.quad is None:
-            raise RuntimeError("this graphics card has no float targets")
+            raise RuntimeError("this graphics card cannot render to float textures")
         self.quad.setShader(Shader.make(Shader.SL_GLSL, VERTEX, TONE_MAPPING))
         self.passes, self.buffers = [], []
         self.change(method, sides, preset)
@@ -129,7 +129,7 @@ class DepthOfField:
         """
         begin, frames = METHODS.get(method, ((), {}))
         if sides not in frames or preset not in PRESETS:
-            raise ValueError(f"no passes for method {method!r}, sides {sides!r}, preset {preset!r}: see change()")
+            raise ValueError(f"method {method!r}, sides {sides!r}, preset {preset!r} is not valid: see help(change)")
         manager = self.manager
         for buffer in self.buffers:
             index = manager.buffers.index(buffer)
@@ -155,7 +155,7 @@ class DepthOfField:
         properties = float_target(*bits, targets=len(targets))
         quad = self.manager.renderQuadInto(name, div=scale, align=scale, colortex=first, fbprops=properties)
         if quad is None:
-            raise RuntimeError(f"this graphics card has no {len(targets)} float targets at once")
+            raise RuntimeError(f"this graphics card cannot render to {len(targets)} float textures at once")
         self.buffers.append(self.manager.buffers[-1])
         for index, target in enumerate(others):
             plane = GraphicsOutput.RTPAuxHrgba0 + index

@@ -32,64 +32,67 @@
 uniform int FocusMode <
     ui_category = "Focus"; ui_type = "combo"; ui_label = "Focus on";
     ui_items = "the distance below\0the middle of the screen\0the pixel under the cursor\0the point below\0";
-    ui_tooltip = "Automatic focus reads depth at one pixel and moves there smoothly.";
+    ui_tooltip = "Selects what is in focus. The last three choices focus automatically: they read the depth of one\n"
+        "pixel, and move the focus there smoothly.";
 > = 1;
 uniform float FocusDistance <
     ui_category = "Focus"; ui_type = "slider"; ui_label = "Distance (m)"; ui_min = 0.2; ui_max = 200.0;
-    ui_tooltip = "Metres from the camera to what is sharp.";
+    ui_tooltip = "Focus distance in metres. It is used only if 'Focus on' is 'the distance below'.";
 > = 5.0;
 uniform float2 FocusPoint <
     ui_category = "Focus"; ui_type = "slider"; ui_label = "Point"; ui_min = 0.0; ui_max = 1.0;
-    ui_tooltip = "For 'the point below': 0, 0 is the upper left corner of the screen, 1, 1 the lower right corner.\n"
-        "'Show focus' marks the point.";
+    ui_tooltip = "The point of the screen to focus on. It is used only if 'Focus on' is 'the point below'.\n"
+        "0, 0 is the upper left corner, and 1, 1 is the lower right corner. 'Show focus' marks the point.";
 > = float2(0.5, 0.5);
 uniform float PullTime <
     ui_category = "Focus"; ui_type = "slider"; ui_label = "Pull (s)"; ui_min = 0.0; ui_max = 3.0;
-    ui_tooltip = "Seconds in which automatic focus goes 63 % of its way; 0: at once.";
+    ui_tooltip = "The time in which automatic focus covers 63 % of the way to its new distance. 0 focuses at once.";
 > = 0.25;
 uniform float MetresToFarPlane <
     ui_category = "Focus"; ui_type = "slider"; ui_label = "Far plane (m)"; ui_min = 10.0; ui_max = 2000.0;
-    ui_tooltip = "Metres that a depth of 1 stands for. ReShade does not know the game's units: set it so that\n"
-        "'Distance' is right for something that you know, such as a person two metres away.";
+    ui_tooltip = "The distance in metres at which depth is 1. ReShade does not know the game's units. Change this\n"
+        "until 'Distance' is right for an object whose distance you know, such as a person two metres away.";
 > = 1000.0;
 uniform bool ShowFocus <
     ui_category = "Focus"; ui_label = "Show focus";
-    ui_tooltip = "Colours the picture: orange is blurred in front of the focus, green is in focus, blue is blurred behind\n"
-        "it. A white square marks the pixel that automatic focus reads.";
+    ui_tooltip = "Colours the image: sharp objects are green, blurred objects in front of the focus distance are\n"
+        "orange, and blurred objects behind it are blue. A white square marks the pixel that automatic focus reads.";
 > = false;
 
 uniform float FStop <
     ui_category = "Lens"; ui_type = "slider"; ui_label = "f-stop"; ui_min = 0.1; ui_max = 22.0;
-    ui_tooltip = "Focal length over the diameter of the aperture: smaller blurs more.";
+    ui_tooltip = "Focal length divided by the diameter of the aperture. A lower f-stop blurs more.";
 > = 2.8;
 uniform float BokehScale <
     ui_category = "Lens"; ui_type = "slider"; ui_label = "Bokeh scale"; ui_min = 0.0; ui_max = 50.0;
-    ui_tooltip = "How many times wider the blur is than that lens's: 1 is the real lens, 0 is none.";
+    ui_tooltip = "Multiplies the width of the blur. 1 is a real lens, which hardly blurs at a game's field of view.\n"
+        "0 turns the blur off.";
 > = 10.0;
 uniform float FocalLength <
     ui_category = "Lens"; ui_type = "slider"; ui_label = "Focal length (mm)"; ui_min = 10.0; ui_max = 300.0;
-    ui_tooltip = "On a sensor 24 mm high. 50 mm sees 27 degrees from top to bottom; longer blurs more.";
+    ui_tooltip = "A longer focal length blurs more. The sensor is 24 mm high, so 50 mm sees 27 degrees vertically.";
 > = 50.0;
 uniform float LargestBlurNear <
     ui_category = "Lens"; ui_type = "slider"; ui_label = "Largest blur, near (% of the height)"; ui_min = 0.0; ui_max = 20.0;
-    ui_tooltip = "Limits the bokeh's width in front of the focus; 0 keeps everything there sharp.";
+    ui_tooltip = "Limits the diameter of the blur in front of the focus distance. 0 keeps everything there sharp.";
 > = 10.0;
 uniform float LargestBlurFar <
     ui_category = "Lens"; ui_type = "slider"; ui_label = "Largest blur, far (% of the height)"; ui_min = 0.0; ui_max = 20.0;
-    ui_tooltip = "Limits the bokeh's width behind the focus; 0 keeps everything there sharp.";
+    ui_tooltip = "Limits the diameter of the blur behind the focus distance. 0 keeps everything there sharp.";
 > = 10.0;
 uniform float Rotation <
     ui_category = "Lens"; ui_type = "slider"; ui_label = "Rotation (degrees, clockwise)"; ui_min = 0.0; ui_max = 60.0;
 > = 0.0;
 uniform float Squeeze <
     ui_category = "Lens"; ui_type = "slider"; ui_label = "Squeeze"; ui_min = 0.3; ui_max = 1.0;
-    ui_tooltip = "Width of the bokeh over its height: 0.5 as of an anamorphic lens.";
+    ui_tooltip = "Width of the bokeh divided by its height. 0.5 looks like an anamorphic lens.";
 > = 1.0;
 
 uniform float Highlights <
     ui_category = "Colour"; ui_type = "slider"; ui_label = "Highlights"; ui_min = 0.0; ui_max = 0.99;
-    ui_tooltip = "The game has compressed bright light. 0 takes the picture as linear light, 0.95 makes white 20 times\n"
-        "as bright before the blur, and undoes it after it: lights become clear polygons.";
+    ui_tooltip = "Makes highlights brighter before the blur, because the game has compressed bright light, and undoes\n"
+        "this after the blur. Lights then become clear polygons. 0 leaves white as it is, and 0.95 makes it 20 times\n"
+        "as bright.";
 > = 0.9;
 
 uniform float FrameTime < source = "frametime"; >;
@@ -357,7 +360,7 @@ void LayeredComposite12PS(float4 position : SV_Position, float2 uv : TEXCOORD, o
     color = Shown(color.rgb, uv);
 }
 
-technique PolygonalBokeh < ui_tooltip = "Near objects spread over what is behind them."; >
+technique PolygonalBokeh < ui_tooltip = "Looks like a lens: blurred near objects spread over the sharp background."; >
 {
     pass { VertexShader = PostProcessVS; PixelShader = FocusPS; RenderTarget = PolygonalBokehFocus; }
     pass { VertexShader = PostProcessVS; PixelShader = KeepFocusPS; RenderTarget = PolygonalBokehFocusBefore; }
@@ -400,7 +403,7 @@ void ExactHexagonSecond2PS(float4 position : SV_Position, float2 uv : TEXCOORD, 
     color = Shown(color.rgb, uv);
 }
 
-technique PolygonalBokehExact < ui_tooltip = "Fewer passes; near objects keep a hard outline."; >
+technique PolygonalBokehExact < ui_tooltip = "Takes fewer passes, but blurred near objects keep a hard outline."; >
 {
     pass { VertexShader = PostProcessVS; PixelShader = FocusPS; RenderTarget = PolygonalBokehFocus; }
     pass { VertexShader = PostProcessVS; PixelShader = KeepFocusPS; RenderTarget = PolygonalBokehFocusBefore; }

@@ -9,16 +9,17 @@ namespace PolygonalBokeh
     [RequireComponent(typeof(Camera))]
     public sealed class BokehFocus : MonoBehaviour
     {
-        [Tooltip("Stays in focus; none: the distance below is used")]
+        [Tooltip("The object to keep in focus. If there is none, the points or the distance below set the focus.")]
         public Transform target;
 
-        [Tooltip("Metres along the view axis")]
+        [Tooltip("Distance to the plane in focus, in metres along the view axis.")]
         public float distance = 5.0f;
 
-        [Tooltip("Autofocus: points of the view, (0, 0) lower left to (1, 1); the nearest of what lies under them wins")]
+        [Tooltip("Autofocus focuses on the nearest collider under these points of the view. (0, 0) is the lower left "
+            + "corner, and (1, 1) is the upper right corner.")]
         public Vector2[] points = new Vector2[0];
 
-        [Tooltip("Time constant of the autofocus, seconds")]
+        [Tooltip("Time in seconds in which autofocus covers 63 % of the way to a new distance.")]
         public float pullTime = 0.2f;
 
         // Returns the depth of a point of the world along the view axis, metres. This is not the length of the ray.

@@ -42,10 +42,11 @@ namespace PolygonalBokeh
         public enum View { Result, Colour, Depth, CircleOfConfusion, NearAndFar }
 
         // A build contains only the shader variants of the materials that its renderers use
-        [Tooltip("The preset: one of the package's materials, from Bokeh Mobile to Bokeh Ultra")]
+        [Tooltip("The preset, which sets the number of samples. It is one of the package's materials, from Bokeh "
+            + "Mobile to Bokeh Ultra.")]
         public Material material;
 
-        [Tooltip("What the camera shows: the result, or one step on the way to it")]
+        [Tooltip("Selects what the camera shows: the result, or a debug view.")]
         public View view = View.Result;
 
         BokehPass pass;

@@ -19,55 +19,61 @@ namespace PolygonalBokeh
     [VolumeRequiresRendererFeatures(typeof(BokehRendererFeature))]
     public sealed class BokehVolume : VolumeComponent, IPostProcessComponent
     {
-        [Tooltip("Share of the aperture: 1 is all of it; 0 is no blur, and no pass is drawn. Blend this one between volumes.")]
+        [Tooltip("Fraction of the full aperture. 0 turns the effect off, and no pass is drawn. To fade the effect in "
+            + "or out, blend this setting between volumes.")]
         public ClampedFloatParameter strength = new ClampedFloatParameter(0.0f, 0.0f, 1.0f);
 
         [Header("Lens")]
-        [Tooltip("Take focal length, f-stop, focus distance, number of blades and anamorphism from a camera whose Physical "
-            + "Camera is ticked")]
+        [Tooltip("Takes focal length, f-stop, focus distance, number of blades and anamorphism from the camera "
+            + "component, if Physical Camera is ticked there too.")]
         public BoolParameter physicalCamera = new BoolParameter(false);
 
-        [Tooltip("Metres along the view axis. A BokehFocus on the camera overrides it.")]
+        [Tooltip("Distance to the plane in focus, in metres along the view axis. A BokehFocus on the camera "
+            + "overrides it.")]
         public MinFloatParameter focusDistance = new MinFloatParameter(5.0f, 0.1f);
 
-        [Tooltip("Focal length over aperture. The focal length is that of the camera's field of view")]
+        [Tooltip("A lower f-stop blurs more. The focal length comes from the camera's field of view.")]
         public MinFloatParameter fStop = new MinFloatParameter(2.8f, 0.01f);
 
-        [Tooltip("How many times wider the blur is than that lens's. 1 is the real lens, which hardly blurs at a game's field "
-            + "of view; 0 is off")]
+        [Tooltip("Multiplies the width of the blur. 1 is a real lens, which hardly blurs at a game's field of view. "
+            + "0 turns the effect off.")]
         public MinFloatParameter bokehScale = new MinFloatParameter(10.0f, 0.0f);
 
-        [Tooltip("Millimetres: 24 is 35 mm film")]
+        [Tooltip("Height of the camera's sensor in millimetres. A frame of 35 mm film is 24 mm high.")]
         public MinFloatParameter sensorHeight = new MinFloatParameter(24.0f, 1.0f);
 
-        [Tooltip("Largest circle of confusion: its diameter as a fraction of the image height")]
+        [Tooltip("Largest diameter of the circle of confusion, as a fraction of the image height.")]
         public ClampedFloatParameter maxCoC = new ClampedFloatParameter(0.1f, 0.0f, 0.5f);
 
-        [Tooltip("Factor of the circle of confusion in front of the focus distance. Paper ignores this and the next three")]
+        [Tooltip("Multiplies the circle of confusion in front of the focus distance. Paper ignores this setting and "
+            + "the next three.")]
         public MinFloatParameter nearScale = new MinFloatParameter(1.0f, 0.0f);
 
-        [Tooltip("Factor of the circle of confusion behind the focus distance")]
+        [Tooltip("Multiplies the circle of confusion behind the focus distance.")]
         public MinFloatParameter farScale = new MinFloatParameter(1.0f, 0.0f);
 
-        [Tooltip("Limit in front of the focus distance, as Max CoC, which limits both sides")]
+        [Tooltip("Largest diameter of the circle of confusion in front of the focus distance, as a fraction of the "
+            + "image height. Max CoC limits it too.")]
         public ClampedFloatParameter nearMaxCoC = new ClampedFloatParameter(1.0f, 0.0f, 1.0f);
 
-        [Tooltip("Limit behind the focus distance")]
+        [Tooltip("Largest diameter of the circle of confusion behind the focus distance, as a fraction of the image "
+            + "height. Max CoC limits it too.")]
         public ClampedFloatParameter farMaxCoC = new ClampedFloatParameter(1.0f, 0.0f, 1.0f);
 
         [Header("Bokeh")]
-        [Tooltip("The paper's method has Hexagon and Octagon")]
+        [Tooltip("The polygon that a blurred light becomes. Paper draws a hexagon instead of a square or decagon.")]
         public EnumParameter<BokehAperture> aperture = new EnumParameter<BokehAperture>(BokehAperture.Hexagon);
 
-        [Tooltip("Degrees, clockwise")]
+        [Tooltip("Rotates the polygon clockwise, in degrees.")]
         public ClampedFloatParameter rotation = new ClampedFloatParameter(0.0f, 0.0f, 360.0f);
 
-        [Tooltip("Width over height: 0.5 is anamorphic")]
+        [Tooltip("Width of the bokeh divided by its height. 0.5 looks like an anamorphic lens.")]
         public ClampedFloatParameter squeeze = new ClampedFloatParameter(1.0f, 0.25f, 1.0f);
 
         [Header("Quality")]
-        [Tooltip("Layered: near things spread over what is behind them. Exact: one layer, cheaper, near things keep a hard "
-            + "outline. Paper: McIntosh 2012, lines combined by min")]
+        [Tooltip("Layered looks like a lens: blurred near objects spread over the sharp background. Exact is "
+            + "cheaper, but blurred near objects keep a hard outline. Paper is the method of McIntosh, Riecke and "
+            + "DiPaola 2012.")]
         public EnumParameter<BokehMethod> method = new EnumParameter<BokehMethod>(BokehMethod.Layered);
 
         public bool IsActive()

@@ -66,7 +66,7 @@ Shader "Hidden/BokehDepthOfField"
     #include "Packages/com.unity.render-pipelines.universal/ShaderLibrary/Core.hlsl"
 
     #ifdef USE_TEXTURE2D_X_AS_ARRAY
-    #error Bokeh: single-pass instanced rendering has texture arrays; set the XR plug-in to multi-pass
+    #error Bokeh cannot read the texture arrays of single-pass instanced rendering. Set the XR plug-in to multi-pass.
     #endif
 
     // Turns off a warning of fxc, "integer divides may be slow": a pass has only two of them.

@@ -40,12 +40,12 @@ const off = (a, b) => Math.max(...a.map((value, i) => Math.abs(value - b[i])));
 
 const LAYERED = { method: undefined };
 const WRONG = [
-  [{ squeze: 1 }, /there is no property squeze. There are method, .*squeeze/],
-  [{ focusDistance: 3 }, /there is no property focusDistance. There are .*focus, /],
-  [{ fStop: 0 }, /fStop is 0. Give a number above 0/],
+  [{ squeze: 1 }, /there is no property squeze. The properties are method, .*squeeze/],
+  [{ focusDistance: 3 }, /there is no property focusDistance. The properties are .*focus, /],
+  [{ fStop: 0 }, /fStop is 0. It must be a number above 0/],
   [{ rotation: NaN }, /rotation is NaN/],
   [{ catsEye: 0.5 }, /catsEye needs extras=\{\['catsEye'\]\}/],
-  [{ sides: 5 }, /sides is 5. Give 6, 4, 8, 10/],
+  [{ sides: 5 }, /sides is 5. Use one of 6, 4, 8, 10/],
 ];
 
 for (const renderer of ['webgl', 'webgpu']) {

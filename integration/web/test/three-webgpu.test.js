@@ -76,7 +76,7 @@ for (const version of VERSIONS) {
     await t.test('arguments that are none are told in the constructor', async () => {
       const said = await call('wrongNodes');
       for (const text of said.slice(0, 4)) assert.match(text, /takes \(scenePass, options\), or \(color, depth, camera, options\)/);
-      assert.match(said[4], /sharpLayer needs \(scenePass, options\)/);
+      assert.match(said[4], /sharpLayer needs the arguments \(scenePass, options\)/);
     });
 
     await t.test('memory of exact: map, two targets and the result', async () => {

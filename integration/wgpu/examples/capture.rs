@@ -19,14 +19,14 @@ const SHOTS: [(&str, Method, Polygon, Preset, f32); 7] = [
 ];
 
 fn main() -> Result<(), Box<dyn Error>> {
-    let folder = env::args().nth(1).ok_or("give the folder of the scene")?;
+    let folder = env::args().nth(1).ok_or("pass the folder of the scene as an argument")?;
     let folder = Path::new(&folder);
     let adapter = pollster::block_on(Instance::default().request_adapter(&Default::default()))?;
     let (device, queue) = &pollster::block_on(adapter.request_device(&Default::default()))?;
     let camera = fs::read_to_string(folder.join("camera.txt"))?;
     let numbers: Vec<f32> = camera.split_whitespace().map(str::parse).collect::<Result<_, _>>()?;
     let [width, height, aperture, focal_length, focus_distance, max_coc, near, far] = numbers[..] else {
-        return Err("camera.txt has eight numbers".into());
+        return Err("camera.txt must contain eight numbers".into());
     };
     let lens = Lens {
         f_stop: focal_length / aperture,

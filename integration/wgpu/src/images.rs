@@ -62,7 +62,7 @@ pub fn srgb(device: &Device, queue: &Queue, result: &Texture) -> Vec<u8> {
 ///
 /// Panics if the texture was made without [`TextureUsages::COPY_SRC`], or if the device is lost.
 pub fn bytes(device: &Device, queue: &Queue, texture: &Texture) -> Vec<u8> {
-    let texel = texture.format().block_copy_size(None).expect("a format with one aspect");
+    let texel = texture.format().block_copy_size(None).expect("the format must have a single aspect");
     let row = texture.width() * texel;
     let padded = row.next_multiple_of(COPY_BYTES_PER_ROW_ALIGNMENT);
     let buffer = device.create_buffer(&BufferDescriptor {
@@ -77,9 +77,9 @@ pub fn bytes(device: &Device, queue: &Queue, texture: &Texture) -> Vec<u8> {
     let target = TexelCopyBufferInfo { buffer: &buffer, layout };
     encoder.copy_texture_to_buffer(texture.as_image_copy(), target, texture.size());
     queue.submit([encoder.finish()]);
-    buffer.map_async(MapMode::Read, .., |mapped| mapped.expect("a buffer that can be read"));
-    device.poll(PollType::wait_indefinitely()).expect("a device that answers");
-    let data = buffer.get_mapped_range(..).expect("a buffer that is mapped");
+    buffer.map_async(MapMode::Read, .., |mapped| mapped.expect("cannot map the buffer"));
+    device.poll(PollType::wait_indefinitely()).expect("cannot wait for the device");
+    let data = buffer.get_mapped_range(..).expect("cannot read the mapped buffer");
     data.chunks(padded as usize).flat_map(|line| &line[..row as usize]).copied().collect()
 }
 
@@ -97,8 +97,8 @@ fn texture(device: &Device, width: u32, height: u32, format: TextureFormat, usag
 }
 
 fn uploaded(device: &Device, queue: &Queue, width: u32, height: u32, format: TextureFormat, data: &[u8]) -> Texture {
-    let row = width * format.block_copy_size(None).expect("a format with one aspect");
-    assert_eq!(data.len(), row as usize * height as usize, "not {width} x {height} pixels");
+    let row = width * format.block_copy_size(None).expect("the format must have a single aspect");
+    assert_eq!(data.len(), row as usize * height as usize, "there must be {width} x {height} pixels");
     let made = texture(device, width, height, format, TextureUsages::TEXTURE_BINDING | TextureUsages::COPY_DST);
     let layout = TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(row), rows_per_image: Some(height) };
     queue.write_texture(made.as_image_copy(), data, layout, made.size());

@@ -101,25 +101,27 @@ impl fmt::Display for Error {
     fn fmt(&self, out: &mut fmt::Formatter) -> fmt::Result {
         match self {
             Self::SizesDiffer { color: (w, h), depth: (x, y) } => {
-                write!(out, "colour has {w} x {h} pixels, depth {x} x {y}: both need one size")
+                write!(out, "colour is {w} x {h} pixels, but depth is {x} x {y}: both need the same size")
             }
             Self::ColorIsMultisampled(samples) => {
-                write!(out, "colour has {samples} samples a pixel: resolve it first (depth may stay as it is)")
+                write!(out, "colour has {samples} samples per pixel: resolve it first (depth may stay multisampled)")
             }
             Self::CannotBeRead(name) => {
-                write!(out, "the {name} texture cannot be read: make it with TextureUsages::TEXTURE_BINDING")
+                write!(out, "the {name} texture cannot be read: create it with TextureUsages::TEXTURE_BINDING")
             }
             Self::Format("depth", format) => {
-                write!(out, "depth is {format:?}: use a depth format, R32Float for metres, or Rg16Float")
+                write!(out, "depth has the format {format:?}: use a depth format, R32Float, Rg16Float or Rg32Float")
             }
             Self::Format(name, format) => {
-                write!(out, "{name} is {format:?}: use a float format that can be filtered, as Rgba16Float")
+                write!(out, "{name} has the format {format:?}: use a filterable float format, such as Rgba16Float")
             }
-            Self::NoViewports => write!(out, "the effect has no viewports: make it with Bokeh::with_viewport"),
+            Self::NoViewports => write!(out, "the effect cannot draw viewports: create it with Bokeh::with_viewport"),
             Self::Outside(viewport, (w, h)) => {
-                write!(out, "{viewport:?} is empty or not within the image of {w} x {h} pixels")
+                write!(out, "{viewport:?} is empty, or is not within the image of {w} x {h} pixels")
             }
-            Self::Misaligned(viewport) => write!(out, "{viewport:?} does not begin at multiples of 8, as layered needs"),
+            Self::Misaligned(viewport) => {
+                write!(out, "{viewport:?} does not begin at multiples of 8 pixels, which the method layered needs")
+            }
         }
     }
 }

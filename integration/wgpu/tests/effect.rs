@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 
-//! The crate's own promises, drawn. `validation/run engines wgpu` compares its pictures with the reference.
+//! Draws frames to test what the crate promises. `validation/run engines wgpu` compares its images with the reference.
 
 use polygonal_bokeh::*;
 use wgpu::*;
@@ -21,7 +21,7 @@ fn lens() -> Lens {
     Lens { f_stop: 1.0, ..Lens::new(0.5, 2.0) }
 }
 
-/// A bright pixel here and there; `x` and `y` move it.
+/// Creates a colour texture, dark except for a grid of bright pixels. `x` and `y` move the grid, in pixels.
 fn color(gpu: &Gpu, width: u32, height: u32, x: u32, y: u32) -> Texture {
     let bright = |i: u32| {
         let (column, row) = (i32_of(i % width) - i32_of(x), i32_of(i / width) - i32_of(y));
@@ -40,7 +40,7 @@ fn depth(gpu: &Gpu, width: u32, height: u32, stored: f32) -> Texture {
     images::depth(&gpu.0, &gpu.1, width, height, &vec![stored; (width * height) as usize])
 }
 
-/// Red, green, blue, alpha as half floats.
+/// Draws a frame, and returns its pixels: red, green, blue and alpha as half floats.
 fn drawn(gpu: &Gpu, bokeh: &Bokeh, color: &Texture, depth: &Texture, lens: &Lens, planes: Depth) -> Vec<u8> {
     let targets = bokeh.targets(&gpu.0, color, depth).unwrap();
     let mut encoder = gpu.0.create_command_encoder(&Default::default());
@@ -77,18 +77,18 @@ fn depth_buffer(gpu: &Gpu, samples: u32, stored: f32) -> Texture {
 fn every_method_and_polygon_draws_its_own_picture() {
     let gpu = gpu();
     let (color, depth) = (color(&gpu, WIDTH, HEIGHT, 0, 0), depth(&gpu, WIDTH, HEIGHT, 0.97));
-    // wide enough that the two presets place their samples differently
+    // a blur so wide that the presets place their samples differently
     let wide = Lens { f_stop: 0.2, max_coc: 0.9, ..lens() };
     let mut seen = std::collections::HashSet::new();
     for method in [Method::Layered, Method::Exact] {
         for polygon in [Polygon::Square, Polygon::Hexagon, Polygon::Octagon, Polygon::Decagon] {
             for preset in [Preset::Mobile, Preset::Low, Preset::Ultra] {
                 if method == Method::Exact && preset == Preset::Mobile {
-                    continue; // the same as Low there
+                    continue; // for Exact, Mobile is the same as Low
                 }
                 let bokeh = Bokeh::new(&gpu.0, method, polygon, preset);
                 let picture = drawn(&gpu, &bokeh, &color, &depth, &wide, PLANES);
-                assert!(seen.insert(picture), "{method:?}, {polygon:?}, {preset:?} draws as another one");
+                assert!(seen.insert(picture), "{method:?}, {polygon:?}, {preset:?} draws no image of its own");
             }
         }
     }
@@ -136,7 +136,7 @@ fn kinds_of_depth_agree() {
         let picture = drawn(&gpu, &bokeh, &color, &texture, &debug, kind);
         greys.push(u16::from_le_bytes([picture[0], picture[1]]));
     }
-    // stored depth has some 24 bits, so the greys, of 11 bits, differ by a step at most
+    // stored depth has about 24 bits of precision and the greys have 11, so the greys differ by at most one step
     let (least, most) = (greys.iter().min().unwrap(), greys.iter().max().unwrap());
     assert!(*least > 0 && most - least <= 1, "{greys:?}");
 }
@@ -219,11 +219,11 @@ fn mistakes_are_errors() {
     ]
     .map(|error| error.to_string());
     let wanted = [
-        "the colour texture cannot be read: make it with TextureUsages::TEXTURE_BINDING",
-        "colour has 4 samples a pixel: resolve it first (depth may stay as it is)",
-        "colour is Rgba8Uint: use a float format that can be filtered, as Rgba16Float",
-        "depth is Rgba16Float: use a depth format, R32Float for metres, or Rg16Float",
-        "colour has 96 x 64 pixels, depth 48 x 64: both need one size",
+        "the colour texture cannot be read: create it with TextureUsages::TEXTURE_BINDING",
+        "colour has 4 samples per pixel: resolve it first (depth may stay multisampled)",
+        "colour has the format Rgba8Uint: use a filterable float format, such as Rgba16Float",
+        "depth has the format Rgba16Float: use a depth format, R32Float, Rg16Float or Rg32Float",
+        "colour is 96 x 64 pixels, but depth is 48 x 64: both need the same size",
     ];
     assert_eq!(said, wanted.map(str::to_string));
 }
@@ -242,9 +242,9 @@ fn wrong_viewports_are_errors() {
     let part = Bokeh::with_viewport(&gpu.0, Method::Exact, Polygon::Square, Preset::Low);
     let outside = |x: u32, width: u32| {
         let viewport = Viewport { x, y: 0, width, height: HEIGHT };
-        Some(format!("{viewport:?} is empty or not within the image of 96 x 64 pixels"))
+        Some(format!("{viewport:?} is empty, or is not within the image of 96 x 64 pixels"))
     };
-    let no_viewports = "the effect has no viewports: make it with Bokeh::with_viewport";
+    let no_viewports = "the effect cannot draw viewports: create it with Bokeh::with_viewport";
     assert_eq!(said(&whole, 0, WIDTH), Some(no_viewports.into()));
     assert_eq!(said(&part, 8, WIDTH), outside(8, WIDTH));
     assert_eq!(said(&part, u32::MAX, WIDTH), outside(u32::MAX, WIDTH));
@@ -252,12 +252,13 @@ fn wrong_viewports_are_errors() {
     assert_eq!(said(&part, 4, WIDTH - 8), None);
     let layered = Bokeh::with_viewport(&gpu.0, Method::Layered, Polygon::Square, Preset::Low);
     let misaligned = Viewport { x: 4, y: 0, width: WIDTH - 8, height: HEIGHT };
-    let text = format!("{misaligned:?} does not begin at multiples of 8, as layered needs");
+    let text = format!("{misaligned:?} does not begin at multiples of 8 pixels, which the method layered needs");
     assert_eq!(said(&layered, 4, WIDTH - 8), Some(text));
     assert_eq!(said(&layered, 8, WIDTH - 8), None);
 }
 
-/// The signed circle of confusion of an image that is everywhere `stored`, in alpha.
+/// Draws an image whose depth is `stored` everywhere, and returns the alpha of its first pixel: the signed circle of
+/// confusion as the two bytes of a half float.
 fn coc(gpu: &Gpu, bokeh: &Bokeh, stored: f32, lens: &Lens) -> Vec<u8> {
     let grey = images::color(&gpu.0, &gpu.1, WIDTH, HEIGHT, &[[0.1; 4]; (WIDTH * HEIGHT) as usize]);
     let picture = drawn(gpu, bokeh, &grey, &depth(gpu, WIDTH, HEIGHT, stored), lens, PLANES);
@@ -268,7 +269,7 @@ fn coc(gpu: &Gpu, bokeh: &Bokeh, stored: f32, lens: &Lens) -> Vec<u8> {
 fn near_and_far_have_scales_and_limits_of_their_own() {
     let gpu = gpu();
     let bokeh = Bokeh::new(&gpu.0, Method::Exact, Polygon::Square, Preset::Low);
-    let (near, far) = (0.0, 0.97); // 0.5 m and 14.4 m, the focus is at 2 m
+    let (near, far) = (0.0, 0.97); // 0.5 m and 14.4 m; the focus distance is 2 m
     let plain = lens();
     for (is_near, changed) in [
         (true, Lens { near_scale: 0.5, max_coc: 1.0, ..plain }),

@@ -121,7 +121,7 @@ def test_warnings(sample):
 
 def test_compositor_script(sample):
     """Check that the effect for Forward+ and Mobile is a valid script; its passes are not drawn here."""
-    with pytest.raises(browser.Refused, match=r"^WARNING: PolygonBokehEffect needs the Forward\+ or Mobile renderer;"):
+    with pytest.raises(browser.Refused, match=r"^WARNING: PolygonBokehEffect needs the Forward\+ or Mobile renderer\."):
         sample.call("compositor", None)
     said = sample.call("compositor", None)
     assert (said["read"], said["base"], said["class_title"]) == (True, "CompositorEffect", "PolygonBokehEffect")

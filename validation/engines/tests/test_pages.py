@@ -115,7 +115,7 @@ def test_options(sample):
     def shown(options, **uniforms):
         return page.call("shown", [kind, options, uniforms])
 
-    assert 'preset is "high". Give "MEDIUM"' in shown({"preset": "high"})
+    assert 'preset is "high". Use one of "MEDIUM"' in shown({"preset": "high"})
     for options, extra, neutral, acting in (
         ({"method": "exact", "preset": "LOW"}, "jitter", {"jitter": 0}, {"jitter": 1}),
         ({}, "catsEye", {"catsEye": 0}, {"catsEye": 0.8}),

@@ -71,5 +71,5 @@ def test_installed(form, tmp_path):
     assert_picture(away / "drawn.png", SAMPLE / "picture.png")
     process.run([python, "capture.py", paths.ensured(away / "capture")], desktop.SECONDS, away)
     check_shots(engines.read(away / "capture"))
-    with pytest.raises(RuntimeError, match="ValueError: no passes for method 'layered', sides 5, preset 'MEDIUM'"):
+    with pytest.raises(RuntimeError, match="ValueError: method 'layered', sides 5, preset 'MEDIUM' is not valid"):
         process.run([python, "-c", WRONG], desktop.SECONDS, away)

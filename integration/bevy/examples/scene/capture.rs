@@ -186,8 +186,7 @@ fn next_shot(
     if !frame.is_multiple_of(FRAMES_PER_SHOT) {
         return;
     }
-    let write =
-        |name: String, bytes: &[u8]| fs::write(folder.0.join(name), bytes).expect("the folder can be written to");
+    let write = |name: String, bytes: &[u8]| fs::write(folder.0.join(name), bytes).expect("cannot write to the folder");
     let Some((name, method, .., size)) = SHOTS.get(shot) else {
         if shot == SHOTS.len() {
             save(&latest.0["picture"], folder.0.join("debug.png"));
@@ -195,7 +194,7 @@ fn next_shot(
         } else {
             // the scene has an alpha of 1; if a pass had run, alpha would be the circle of confusion
             let (color, targets) = read_back(&latest.0["copies"], &bokeh, SIZE);
-            assert!(targets.ends_with(color), "a bokeh scale of 0 does not leave the scene as it is");
+            assert!(targets.ends_with(color), "a bokeh scale of 0 changes the image");
             exit.write(AppExit::Success);
         }
         return;
@@ -230,7 +229,7 @@ fn save(pixels: &[u8], path: PathBuf) {
     let size = if pixels.len() == texels(SIZE, 1) * 4 { SIZE } else { SMALL };
     let (shape, format, usages) = (TextureDimension::D2, TextureFormat::Rgba8UnormSrgb, RenderAssetUsages::MAIN_WORLD);
     let image = Image::new(extent(size), shape, pixels.to_vec(), format, usages);
-    image.try_into_dynamic().unwrap().to_rgb8().save(path).expect("the folder can be written to");
+    image.try_into_dynamic().unwrap().to_rgb8().save(path).expect("cannot write to the folder");
 }
 
 /// Returns the text of capture.json. validation/engines/capture.py describes the format.

@@ -121,12 +121,12 @@ func cut() -> void:
 func _get_configuration_warnings() -> PackedStringArray:
 	var warnings := PackedStringArray()
 	if not get_parent() is Camera3D:
-		warnings.append("PolygonBokeh works as a child of a Camera3D.")
+		warnings.append("PolygonBokeh must be a child of a Camera3D.")
 	if RenderingServer.get_current_rendering_method() != "gl_compatibility":
-		warnings.append("PolygonBokeh is for the Compatibility renderer. Here, add a PolygonBokehEffect to the "
-				+ "camera's compositor.")
+		warnings.append("PolygonBokeh works only with the Compatibility renderer. With this renderer, add a "
+				+ "PolygonBokehEffect to the compositor of the camera instead.")
 	if method == "paper" and sides not in [6, 8]:
-		warnings.append("The method paper has 6 or 8 sides.")
+		warnings.append("The method paper can draw only 6 or 8 sides.")
 	return warnings
 
 

@@ -68,7 +68,8 @@ func focus_on(camera: Camera3D, point: Vector3) -> void:
 func _prepare() -> void:
 	_device = RenderingServer.get_rendering_device()
 	if _device == null:
-		push_warning("PolygonBokehEffect needs the Forward+ or Mobile renderer; take the node PolygonBokeh.")
+		push_warning("PolygonBokehEffect needs the Forward+ or Mobile renderer. With the Compatibility renderer, use the "
+				+ "node PolygonBokeh instead.")
 		return
 	_file = load((get_script() as Script).resource_path.get_base_dir().path_join(SHADERS))
 	var state := RDSamplerState.new()

@@ -20,22 +20,31 @@
 #define BOKEH_SETTING(Type, Name, Default, Help) \
     static TAutoConsoleVariable<Type> Setting##Name(TEXT("r.Bokeh." #Name), Default, TEXT(Help), ECVF_RenderThreadSafe)
 
-BOKEH_SETTING(int32, Enable, 1, "0: off");
-BOKEH_SETTING(int32, Method, 0, "0: layered, 1: exact (one layer, cheaper, near outlines stay hard), 2: the paper's");
-BOKEH_SETTING(int32, Preset, 1, "0: low, 1: medium, 2: high, 3: ultra, 4: mobile");
-BOKEH_SETTING(int32, Sides, 0, "4, 6, 8 or 10; the paper's method has 6 and 8; 0: by the camera's blades, or 6");
-BOKEH_SETTING(int32, Debug, 0, "0: off, 1: colour, 2: depth, 3: circle of confusion, 4: near and far field");
-BOKEH_SETTING(float, FStop, 0.0f, "of a lens with the view's field of view; 0: the camera's, or 2.8");
-BOKEH_SETTING(float, BokehScale, 10.0f, "how many times wider the blur is than that lens's; 1: a real lens, 0: none");
-BOKEH_SETTING(float, FocusDistance, 0.0f, "metres along the view axis; 0: the camera's, or 5");
-BOKEH_SETTING(float, SensorHeight, 0.0f, "metres; 0: the camera's, or 0.024");
-BOKEH_SETTING(float, MaxCoC, 0.1f, "largest circle of confusion: its diameter as a fraction of the image height");
-BOKEH_SETTING(float, NearScale, 1.0f, "factor of the circle of confusion in front of the focus distance");
-BOKEH_SETTING(float, FarScale, 1.0f, "factor of the circle of confusion behind the focus distance");
-BOKEH_SETTING(float, NearMaxCoC, 1.0f, "limit in front of the focus distance, as MaxCoC, which limits both sides");
-BOKEH_SETTING(float, FarMaxCoC, 1.0f, "limit behind the focus distance");
-BOKEH_SETTING(float, Rotation, 0.0f, "degrees, clockwise");
-BOKEH_SETTING(float, Squeeze, 0.0f, "width over height of the bokeh; 0: by the camera's squeeze factor, or 1");
+BOKEH_SETTING(int32, Enable, 1, "Turns the effect on (1) or off (0).");
+BOKEH_SETTING(int32, Method, 0, "Selects the method. 0: layered. 1: exact, which is cheaper, but blurred near objects "
+    "keep a hard outline. 2: paper.");
+BOKEH_SETTING(int32, Preset, 1, "Sets the number of samples. 0: low, 1: medium, 2: high, 3: ultra, 4: mobile.");
+BOKEH_SETTING(int32, Sides, 0, "Number of sides of the polygon: 4, 6, 8 or 10. Paper draws 6 instead of 4 and 10. "
+    "0: uses the number of the camera's blades, or 6 if the camera has no depth of field.");
+BOKEH_SETTING(int32, Debug, 0, "Shows a debug view. "
+    "0: off, 1: colour, 2: depth, 3: circle of confusion, 4: near and far field.");
+BOKEH_SETTING(float, FStop, 0.0f, "A lower f-stop blurs more. "
+    "0: uses the camera's f-stop, or 2.8 if the camera has no depth of field.");
+BOKEH_SETTING(float, BokehScale, 10.0f, "Multiplies the width of the blur. 1 is a real lens, 0 turns the effect off.");
+BOKEH_SETTING(float, FocusDistance, 0.0f, "Distance to the plane in focus, in metres along the view axis. "
+    "0: uses the camera's focus distance, or 5 if the camera has no depth of field.");
+BOKEH_SETTING(float, SensorHeight, 0.0f, "Height of the camera's sensor in metres. "
+    "0: uses the camera's sensor, or 0.024 if the camera has no depth of field.");
+BOKEH_SETTING(float, MaxCoC, 0.1f, "Largest diameter of the circle of confusion, as a fraction of the image height.");
+BOKEH_SETTING(float, NearScale, 1.0f, "Multiplies the circle of confusion in front of the focus distance.");
+BOKEH_SETTING(float, FarScale, 1.0f, "Multiplies the circle of confusion behind the focus distance.");
+BOKEH_SETTING(float, NearMaxCoC, 1.0f, "Largest diameter of the circle of confusion in front of the focus distance, "
+    "as a fraction of the image height. MaxCoC limits it too.");
+BOKEH_SETTING(float, FarMaxCoC, 1.0f, "Largest diameter of the circle of confusion behind the focus distance, "
+    "as a fraction of the image height. MaxCoC limits it too.");
+BOKEH_SETTING(float, Rotation, 0.0f, "Rotates the polygon clockwise, in degrees.");
+BOKEH_SETTING(float, Squeeze, 0.0f, "Width of the bokeh divided by its height. "
+    "0: uses the inverse of the camera's squeeze factor, or 1 if the camera has no depth of field.");
 
 // The lens of a view. Lengths are in metres. A console variable that is above 0 sets its value. All other values come
 // from the depth of field settings of a cine camera or a post-process volume. If there are none, the defaults below
