@@ -1119,19 +1119,19 @@ vec2 bounds;
 float inner;
 };
 struct BokehRing{
-int number;
+int index;
 int onEdge;
 int first;
 int end;
 float outer;
 };
-BokehRing BokehMakeRing(int number,int density,BokehRingLayout rings,BokehPolygon polygon){
+BokehRing BokehMakeRing(int index,int density,BokehRingLayout rings,BokehPolygon polygon){
 BokehRing ring;
-ring.number=number;
+ring.index=index;
 ring.onEdge=BokehSamplesPerEdge(density,polygon);
 ring.first=0;
 ring.end=ring.onEdge;
-ring.outer=min(BokehRingBorder(number,rings),rings.radius);
+ring.outer=min(BokehRingBorder(index,rings),rings.radius);
 return ring;}
 BokehGather BokehGatherRing(BokehGather before,sampler2D MapSamp,BokehRing ring,BokehPolygon polygon,BokehLayerContext layers){
 BokehGather gather=before;
@@ -1143,8 +1143,8 @@ float current=gather.inner+(ring.outer-gather.inner)*outwards;
 float innerSquare=gather.inner*gather.inner;
 float area=ring.outer*ring.outer-innerSquare;
 float ownCovers=max(min(1.-innerSquare*gather.inverse,area*gather.inverse),0.);
-float phase=layers.jitter*clamp(current/float(ring.number)-1.,0.,1.);
-if(ring.number != 2){
+float phase=layers.jitter*clamp(current/float(ring.index)-1.,0.,1.);
+if(ring.index != 2){
 phase+=.5;}
 vec2 right=vec2(polygon.axis.x*polygon.squeeze,polygon.axis.y)*current;
 vec2 upwards=vec2(-polygon.axis.y*polygon.squeeze,polygon.axis.x)*current;
@@ -1179,10 +1179,10 @@ gather.front+=vec4(other.rgb,1.)*inFront.y;}
 corner+=alongEdge;
 direction=BokehRotated(direction,turn);}
 return gather;}
-BokehGather BokehGatherInnerRing(BokehGather before,sampler2D MapSamp,int number,BokehRingLayout rings,BokehPolygon polygon,BokehLayerContext layers){
+BokehGather BokehGatherInnerRing(BokehGather before,sampler2D MapSamp,int index,BokehRingLayout rings,BokehPolygon polygon,BokehLayerContext layers){
 BokehGather gather=before;
-BokehRing ring=BokehMakeRing(number,number,rings,polygon);
-if(number<=BOKEH_LAYER_RINGS&&gather.inner<ring.outer){
+BokehRing ring=BokehMakeRing(index,index,rings,polygon);
+if(index<=BOKEH_LAYER_RINGS&&gather.inner<ring.outer){
 gather=BokehGatherRing(gather,MapSamp,ring,polygon,layers);
 gather.inner=ring.outer;}
 return gather;}
@@ -1284,13 +1284,13 @@ gather=BokehGatherInnerRing(gather,MapSamp,3,ringLayout,polygon,layers);
 gather=BokehGatherInnerRing(gather,MapSamp,4,ringLayout,polygon,layers);
 gather=BokehGatherLastRing(gather,MapSamp,hasFreeFetches,ringLayout,polygon,layers);}
 else{
-for(int number=1;number<=BOKEH_LAYER_RINGS+1;number++){
+for(int index=1;index<=BOKEH_LAYER_RINGS+1;index++){
 if(gather.inner>=radius){
 break;}
-int density=max(min(number,BOKEH_LAYER_RINGS),1);
-if(float(number)>denseRings){
+int density=max(min(index,BOKEH_LAYER_RINGS),1);
+if(float(index)>denseRings){
 density=1;}
-BokehRing ring=BokehMakeRing(number,density,ringLayout,polygon);
+BokehRing ring=BokehMakeRing(index,density,ringLayout,polygon);
 gather=BokehGatherRing(gather,MapSamp,ring,polygon,layers);
 gather.inner=ring.outer;}}
 vec4 farLayer=vec4(0.);
@@ -2348,14 +2348,14 @@ return max(even+even*(even/rings.radius-1.)*rings.narrowing,min(even,f32(ring)+.
 struct BokehGather{
 sum:vec4f,front:vec4f,farFound:f32,center:vec2f,s:f32,inverse:f32,nearWeight:f32,slopes:vec2f,snapping:f32,bounds:vec2f,inner:f32,}
 struct BokehRing{
-number:i32,onEdge:i32,first:i32,end:i32,outer:f32,}
-fn BokehMakeRing(number:i32,density:i32,rings:BokehRingLayout,polygon:BokehPolygon)->BokehRing{
+index:i32,onEdge:i32,first:i32,end:i32,outer:f32,}
+fn BokehMakeRing(index:i32,density:i32,rings:BokehRingLayout,polygon:BokehPolygon)->BokehRing{
 var ring:BokehRing;
-ring.number=number;
+ring.index=index;
 ring.onEdge=BokehSamplesPerEdge(density,polygon);
 ring.first=0;
 ring.end=ring.onEdge;
-ring.outer=min(BokehRingBorder(number,rings),rings.radius);
+ring.outer=min(BokehRingBorder(index,rings),rings.radius);
 return ring;}
 fn BokehGatherRing(before:BokehGather,MapSamp:texture_2d<f32>,ring:BokehRing,polygon:BokehPolygon,layers:BokehLayerContext,BokehLinearClamp:sampler)->BokehGather{
 var gather=before;
@@ -2367,8 +2367,8 @@ let current=gather.inner+(ring.outer-gather.inner)*outwards;
 let innerSquare=gather.inner*gather.inner;
 let area=ring.outer*ring.outer-innerSquare;
 let ownCovers=max(min(1.-innerSquare*gather.inverse,area*gather.inverse),0.);
-var phase=layers.jitter*clamp(current/f32(ring.number)-1.,0.,1.);
-if(ring.number != 2){
+var phase=layers.jitter*clamp(current/f32(ring.index)-1.,0.,1.);
+if(ring.index != 2){
 phase+=.5;}
 let right=vec2f(polygon.axis.x*polygon.squeeze,polygon.axis.y)*current;
 let upwards=vec2f(-polygon.axis.y*polygon.squeeze,polygon.axis.x)*current;
@@ -2403,10 +2403,10 @@ gather.front+=vec4f(other.rgb,1.)*inFront.y;}
 corner+=alongEdge;
 direction=BokehRotated(direction,turn);}
 return gather;}
-fn BokehGatherInnerRing(before:BokehGather,MapSamp:texture_2d<f32>,number:i32,rings:BokehRingLayout,polygon:BokehPolygon,layers:BokehLayerContext,BokehLinearClamp:sampler)->BokehGather{
+fn BokehGatherInnerRing(before:BokehGather,MapSamp:texture_2d<f32>,index:i32,rings:BokehRingLayout,polygon:BokehPolygon,layers:BokehLayerContext,BokehLinearClamp:sampler)->BokehGather{
 var gather=before;
-let ring=BokehMakeRing(number,number,rings,polygon);
-if(number<=BOKEH_LAYER_RINGS&&gather.inner<ring.outer){
+let ring=BokehMakeRing(index,index,rings,polygon);
+if(index<=BOKEH_LAYER_RINGS&&gather.inner<ring.outer){
 gather=BokehGatherRing(gather,MapSamp,ring,polygon,layers,BokehLinearClamp);
 gather.inner=ring.outer;}
 return gather;}
@@ -2508,13 +2508,13 @@ gather=BokehGatherInnerRing(gather,MapSamp,3,ringLayout,polygon,layers,BokehLine
 gather=BokehGatherInnerRing(gather,MapSamp,4,ringLayout,polygon,layers,BokehLinearClamp);
 gather=BokehGatherLastRing(gather,MapSamp,hasFreeFetches,ringLayout,polygon,layers,BokehLinearClamp);}
 else{
-for(var number=1;number<=BOKEH_LAYER_RINGS+1;number++){
+for(var index=1;index<=BOKEH_LAYER_RINGS+1;index++){
 if(gather.inner>=radius){
 break;}
-var density=max(min(number,BOKEH_LAYER_RINGS),1);
-if(f32(number)>denseRings){
+var density=max(min(index,BOKEH_LAYER_RINGS),1);
+if(f32(index)>denseRings){
 density=1;}
-let ring=BokehMakeRing(number,density,ringLayout,polygon);
+let ring=BokehMakeRing(index,density,ringLayout,polygon);
 gather=BokehGatherRing(gather,MapSamp,ring,polygon,layers,BokehLinearClamp);
 gather.inner=ring.outer;}}
 var farLayer=vec4f(0.);

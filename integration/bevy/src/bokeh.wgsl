@@ -1633,21 +1633,21 @@ return converted;
 }
 struct BokehRing
 {
-number: i32,
+index: i32,
 onEdge: i32,
 first: i32,
 end: i32,
 outer: f32,
 }
-fn BokehMakeRing(number: i32, density: i32, rings: BokehRingLayout,
+fn BokehMakeRing(index: i32, density: i32, rings: BokehRingLayout,
 polygon: BokehPolygon) -> BokehRing
 {
 var ring: BokehRing;
-ring.number = number;
+ring.index = index;
 ring.onEdge = BokehSamplesPerEdge(density, polygon);
 ring.first = 0;
 ring.end = ring.onEdge;
-ring.outer = min(BokehRingBorder(number, rings), rings.radius);
+ring.outer = min(BokehRingBorder(index, rings), rings.radius);
 return ring;
 }
 fn BokehGatherRing(before: BokehGather, MapSamp: texture_2d<f32>, ring: BokehRing,
@@ -1662,8 +1662,8 @@ let current: f32 = gather.inner + (ring.outer - gather.inner) * outwards;
 let innerSquare: f32 = gather.inner * gather.inner;
 let area: f32 = ring.outer * ring.outer - innerSquare;
 let ownCovers: f32 = max(min(1.0 - innerSquare * gather.inverse, area * gather.inverse), 0.0);
-var phase: f32 = layers.jitter * clamp(current / f32(ring.number) - 1.0, 0.0, 1.0);
-if (ring.number != 2)
+var phase: f32 = layers.jitter * clamp(current / f32(ring.index) - 1.0, 0.0, 1.0);
+if (ring.index != 2)
 {
 phase += 0.5;
 }
@@ -1710,13 +1710,13 @@ direction = BokehRotated(direction, turn);
 }
 return gather;
 }
-fn BokehGatherInnerRing(before: BokehGather, MapSamp: texture_2d<f32>, number: i32,
+fn BokehGatherInnerRing(before: BokehGather, MapSamp: texture_2d<f32>, index: i32,
 rings: BokehRingLayout, polygon: BokehPolygon, layers: BokehLayerContext,
 BokehLinearClamp: sampler) -> BokehGather
 {
 var gather: BokehGather = before;
-let ring: BokehRing = BokehMakeRing(number, number, rings, polygon);
-if (number <= BOKEH_LAYER_RINGS && gather.inner < ring.outer)
+let ring: BokehRing = BokehMakeRing(index, index, rings, polygon);
+if (index <= BOKEH_LAYER_RINGS && gather.inner < ring.outer)
 {
 gather = BokehGatherRing(gather, MapSamp, ring, polygon, layers, BokehLinearClamp);
 gather.inner = ring.outer;
@@ -1873,18 +1873,18 @@ layers, BokehLinearClamp);
 }
 else
 {
-for (var number: i32 = 1; number <= BOKEH_LAYER_RINGS + 1; number++)
+for (var index: i32 = 1; index <= BOKEH_LAYER_RINGS + 1; index++)
 {
 if (gather.inner >= radius)
 {
 break;
 }
-var density: i32 = max(min(number, BOKEH_LAYER_RINGS), 1);
-if (f32(number) > denseRings)
+var density: i32 = max(min(index, BOKEH_LAYER_RINGS), 1);
+if (f32(index) > denseRings)
 {
 density = 1;
 }
-let ring: BokehRing = BokehMakeRing(number, density, ringLayout, polygon);
+let ring: BokehRing = BokehMakeRing(index, density, ringLayout, polygon);
 gather = BokehGatherRing(gather, MapSamp, ring, polygon, layers,
 BokehLinearClamp);
 gather.inner = ring.outer;

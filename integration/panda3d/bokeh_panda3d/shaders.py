@@ -1709,20 +1709,20 @@ return converted;
 }
 struct BokehRing
 {
-int number;
+int index;
 int onEdge;
 int first;
 int end;
 float outer;
 };
-BokehRing BokehMakeRing(int number, int density, BokehRingLayout rings, BokehPolygon polygon)
+BokehRing BokehMakeRing(int index, int density, BokehRingLayout rings, BokehPolygon polygon)
 {
 BokehRing ring;
-ring.number = number;
+ring.index = index;
 ring.onEdge = BokehSamplesPerEdge(density, polygon);
 ring.first = 0;
 ring.end = ring.onEdge;
-ring.outer = min(BokehRingBorder(number, rings), rings.radius);
+ring.outer = min(BokehRingBorder(index, rings), rings.radius);
 return ring;
 }
 BokehGather BokehGatherRing(BokehGather before, BOKEH_TEXTURE MapSamp, BokehRing ring,
@@ -1737,8 +1737,8 @@ float current = gather.inner + (ring.outer - gather.inner) * outwards;
 float innerSquare = gather.inner * gather.inner;
 float area = ring.outer * ring.outer - innerSquare;
 float ownCovers = max(min(1.0 - innerSquare * gather.inverse, area * gather.inverse), 0.0);
-float phase = layers.jitter * clamp(current / float(ring.number) - 1.0, 0.0, 1.0);
-if (ring.number != 2)
+float phase = layers.jitter * clamp(current / float(ring.index) - 1.0, 0.0, 1.0);
+if (ring.index != 2)
 {
 phase += 0.5;
 }
@@ -1785,12 +1785,12 @@ direction = BokehRotated(direction, turn);
 }
 return gather;
 }
-BokehGather BokehGatherInnerRing(BokehGather before, BOKEH_TEXTURE MapSamp, int number,
+BokehGather BokehGatherInnerRing(BokehGather before, BOKEH_TEXTURE MapSamp, int index,
 BokehRingLayout rings, BokehPolygon polygon, BokehLayerContext layers)
 {
 BokehGather gather = before;
-BokehRing ring = BokehMakeRing(number, number, rings, polygon);
-if (number <= BOKEH_LAYER_RINGS && gather.inner < ring.outer)
+BokehRing ring = BokehMakeRing(index, index, rings, polygon);
+if (index <= BOKEH_LAYER_RINGS && gather.inner < ring.outer)
 {
 gather = BokehGatherRing(gather, MapSamp, ring, polygon, layers);
 gather.inner = ring.outer;
@@ -1938,18 +1938,18 @@ layers);
 }
 else
 {
-for (int number = 1; number <= BOKEH_LAYER_RINGS + 1; number++)
+for (int index = 1; index <= BOKEH_LAYER_RINGS + 1; index++)
 {
 if (gather.inner >= radius)
 {
 break;
 }
-int density = max(min(number, BOKEH_LAYER_RINGS), 1);
-if (float(number) > denseRings)
+int density = max(min(index, BOKEH_LAYER_RINGS), 1);
+if (float(index) > denseRings)
 {
 density = 1;
 }
-BokehRing ring = BokehMakeRing(number, density, ringLayout, polygon);
+BokehRing ring = BokehMakeRing(index, density, ringLayout, polygon);
 gather = BokehGatherRing(gather, MapSamp, ring, polygon, layers);
 gather.inner = ring.outer;
 }

@@ -1289,13 +1289,13 @@ BOKEH_HALF4 BokehHalfTexel(float4 texel)
 }
 
 // Layers: says which samples of a ring are gathered
-//   number        of the ring; ring 1 lies around the inner disc
+//   index         of the ring; ring 1 lies around the inner disc
 //   onEdge        samples that the ring has on each edge of the polygon
 //   first, end    the samples of each edge that are gathered: from first to end - 1
 //   outer         where the ring ends, pixels
 struct BokehRing
 {
-    int number;
+    int index;
     int onEdge;
     int first;
     int end;
@@ -1304,14 +1304,14 @@ struct BokehRing
 
 // Layers: returns a ring of the gather with all its samples
 //   density       number of the ring whose number of samples it takes
-BokehRing BokehMakeRing(int number, int density, BokehRingLayout rings, BokehPolygon polygon)
+BokehRing BokehMakeRing(int index, int density, BokehRingLayout rings, BokehPolygon polygon)
 {
     BokehRing ring;
-    ring.number = number;
+    ring.index = index;
     ring.onEdge = BokehSamplesPerEdge(density, polygon);
     ring.first = 0;
     ring.end = ring.onEdge;
-    ring.outer = min(BokehRingBorder(number, rings), rings.radius);
+    ring.outer = min(BokehRingBorder(index, rings), rings.radius);
     return ring;
 }
 
@@ -1332,8 +1332,8 @@ BokehGather BokehGatherRing(BokehGather before, BOKEH_TEXTURE MapSamp, BokehRing
     float area = ring.outer * ring.outer - innerSquare;
     // the same of this pixel's disc, for samples behind its surface
     float ownCovers = max(min(1.0 - innerSquare * gather.inverse, area * gather.inverse), 0.0);
-    float phase = layers.jitter * clamp(current / float(ring.number) - 1.0, 0.0, 1.0);
-    if (ring.number != 2)
+    float phase = layers.jitter * clamp(current / float(ring.index) - 1.0, 0.0, 1.0);
+    if (ring.index != 2)
     {
         // all rings but the second are rotated by half a step, so that those beside it fill its
         // gaps
@@ -1389,13 +1389,13 @@ BokehGather BokehGatherRing(BokehGather before, BOKEH_TEXTURE MapSamp, BokehRing
 }
 
 // Layers: gathers a ring before the last one, if the preset has it and it begins inside the gather
-//   number        of the ring: 1 .. BOKEH_LAYER_RINGS
-BokehGather BokehGatherInnerRing(BokehGather before, BOKEH_TEXTURE MapSamp, int number,
+//   index         of the ring: 1 .. BOKEH_LAYER_RINGS
+BokehGather BokehGatherInnerRing(BokehGather before, BOKEH_TEXTURE MapSamp, int index,
     BokehRingLayout rings, BokehPolygon polygon, BokehLayerContext layers BOKEH_SAMPLER)
 {
     BokehGather gather = before;
-    BokehRing ring = BokehMakeRing(number, number, rings, polygon);
-    if (number <= BOKEH_LAYER_RINGS && gather.inner < ring.outer)
+    BokehRing ring = BokehMakeRing(index, index, rings, polygon);
+    if (index <= BOKEH_LAYER_RINGS && gather.inner < ring.outer)
     {
         gather = BokehGatherRing(gather, MapSamp, ring, polygon, layers BOKEH_LINEAR);
         gather.inner = ring.outer;
@@ -1608,18 +1608,18 @@ float4 BokehComposite(BOKEH_TEXTURE MapSamp, BOKEH_TEXTURE GatherTilesSamp, BOKE
         }
         else
         {
-            BOKEH_LOOP for (int number = 1; number <= BOKEH_LAYER_RINGS + 1; number++)
+            BOKEH_LOOP for (int index = 1; index <= BOKEH_LAYER_RINGS + 1; index++)
             {
                 if (gather.inner >= radius)
                 {
                     break;
                 }
-                int density = max(min(number, BOKEH_LAYER_RINGS), 1);
-                if (float(number) > denseRings)
+                int density = max(min(index, BOKEH_LAYER_RINGS), 1);
+                if (float(index) > denseRings)
                 {
                     density = 1;
                 }
-                BokehRing ring = BokehMakeRing(number, density, ringLayout, polygon);
+                BokehRing ring = BokehMakeRing(index, density, ringLayout, polygon);
                 gather = BokehGatherRing(gather, MapSamp, ring, polygon, layers BOKEH_LINEAR);
                 gather.inner = ring.outer;
             }
