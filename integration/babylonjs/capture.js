@@ -6,23 +6,10 @@ import '@babylonjs/core/Engines/Extensions/engine.readTexture.js';
 import '@babylonjs/core/Engines/WebGPU/Extensions/engine.readTexture.js';
 import { addGraph } from './frameGraph.js';
 import { addBokeh, depthsUnder } from './sample.js';
+import { addShot, base64, cameraOf, HEIGHT, ODD_SIZE, pulledTo } from '../web/test/captures.js';
+import { SHAPES, shotsOf, SIZE, sizeOf, uniformsOf, WIDTH } from '../web/test/captures.js';
 
-const WIDTH = 320;
-const HEIGHT = 240;
-// The size of the shots is small, because the reference computes every pass of each shot.
-const SIZE = [160, 120];
-// For layered, a size that 2, 4 and 8 do not divide, because its targets have 1 / 2, 1 / 4 and 1 / 8 of the size
-const ODD_SIZE = [157, 117];
-const SHAPES = { hexagon: 6, square: 4, octagon: 8, decagon: 10 };
 const METHODS = ['layered', 'exact']; // the default first
-// Polygons to draw a second time, rotated by CLOCKWISE degrees and squeezed
-const ROTATED = { exact: 'square' };
-const CLOCKWISE = 10;
-const SQUEEZE = 0.75;
-const uniformsOf = (rotated) => (rotated ? { rotation: (CLOCKWISE * Math.PI) / 180, squeeze: SQUEEZE } : {});
-const keysOf = (rotated) => (rotated ? { clockwise: CLOCKWISE, squeeze: SQUEEZE } : {});
-
-const base64 = (array) => new Uint8Array(array.buffer, array.byteOffset, array.byteLength).toBase64();
 
 // Returns the sample, with its render loop stopped.
 async function stopped(kind) {
@@ -90,37 +77,20 @@ export async function capture(kind) {
   await draw(sample, {}, [2 * WIDTH, 2 * HEIGHT]);
   const picture = await new Promise((done) => engine.getRenderingCanvas().toBlob(done));
   const files = { 'picture.png': base64(await picture.bytes()) };
-  const rows = METHODS.flatMap((method) => Object.keys(SHAPES).map((aperture) => [`${method}-${aperture}`, method, aperture]));
-  for (const [method, aperture] of Object.entries(ROTATED)) rows.push([`rotated-${method}`, method, aperture, true]);
-  for (const [name, method, aperture, rotated = false] of rows) {
-    const [width, height] = method === 'layered' ? ODD_SIZE : SIZE;
-    await draw(sample, { method, sides: SHAPES[aperture], opaque: false }, [width, height], uniformsOf(rotated));
-    const shot = { name, method, aperture, width, height, ...keysOf(rotated), ...settings(sample.bokeh.uniforms) };
-    for (const [what, array] of Object.entries(await readFrame(sample))) {
-      shot[what] = `${name}-${what}.${array.BYTES_PER_ELEMENT === 2 ? 'f16' : 'f32'}`;
-      files[shot[what]] = base64(array);
-    }
-    if (method === 'layered') {
-      shot.written = `${name}.written`;
-      files[shot.written] = base64(await readPasses(sample));
-    }
-    data.shots.push(shot);
+  const found = { data, files };
+  for (const shot of shotsOf(METHODS)) {
+    const { method, aperture } = shot;
+    await draw(sample, { method, sides: SHAPES[method][aperture], opaque: false }, sizeOf(shot), uniformsOf(shot));
+    const written = method === 'layered' && (await readPasses(sample));
+    addShot(found, shot, settings(sample.bokeh.uniforms), await readFrame(sample), written);
   }
   data.pull = pulled(sample);
-  const [width, height] = ODD_SIZE;
   await draw(sample, {}, [2 * WIDTH, 2 * HEIGHT]);
   files['frame-graph.png'] = base64((await drawnByGraph(sample, {})).picture);
   await draw(sample, {}, ODD_SIZE);
-  const { shown, written, picture: _, ...found } = await drawnByGraph(sample, { opaque: false });
-  const shot = { name: 'frame-graph', method: 'layered', aperture: 'hexagon', width, height, ...shown };
-  for (const [what, array] of Object.entries(found)) {
-    shot[what] = `frame-graph-${what}.${array.BYTES_PER_ELEMENT === 2 ? 'f16' : 'f32'}`;
-    files[shot[what]] = base64(array);
-  }
-  shot.written = 'frame-graph.written';
-  files[shot.written] = base64(written);
-  data.shots.push(shot);
-  return { data, files };
+  const { shown, written, picture: _, ...arrays } = await drawnByGraph(sample, { opaque: false });
+  addShot(found, { name: 'frame-graph', method: 'layered', aperture: 'hexagon' }, shown, arrays, written);
+  return found;
 }
 
 // Draws a frame of the sample's scene with a frame graph. Returns its colour, depth and result, the output of all
@@ -161,29 +131,13 @@ function pulled(sample) {
   const { bokeh } = sample;
   const points = [[152.5, 78.5], [95.5, 55.5]];
   const depths = depthsUnder(points, sample);
-  const [frame, seconds, from, distances] = [1 / 30, 0.2, bokeh.uniforms.focusDistance, []];
-  for (let i = 0; i < 12; i++) {
-    bokeh.pullFocus(frame, depths, seconds);
-    distances.push(bokeh.uniforms.focusDistance);
-  }
   // v = 0 is the lowest row
-  const rows = ([x, y], i) => [x / SIZE[0], 1 - y / SIZE[1], depths[i]];
-  return { frame, seconds, from, points: points.map(rows), distances };
+  const shown = points.map(([x, y]) => [x / SIZE[0], 1 - y / SIZE[1]]);
+  return pulledTo(bokeh, () => bokeh.uniforms.focusDistance, shown, depths);
 }
 
-// Returns the lens as the shaders got it, in float32.
-function settings(uniforms) {
-  const value = (name) => Math.fround(uniforms[name]);
-  return {
-    camera: {
-      aperture_diameter: value('apertureDiameter'),
-      focal_length: value('focalLength'),
-      focus_distance: value('focusDistance'),
-      sensor_height: value('sensorHeight'),
-      max_coc: value('maxCoC'),
-    },
-  };
-}
+// Returns the settings as the shaders got them.
+const settings = (uniforms) => ({ camera: cameraOf((name) => uniforms[name]) });
 
 // Sets a bokehScale of 0. For the post process, returns how many passes are drawn, whether the result is the scene, and
 // whether the blur comes back; for the task, whether its result is the scene.

@@ -126,7 +126,6 @@ alignas(16) static BokehParameters parameters = {
     .Far = Z_FAR,
 };
 
-static HWND window;
 static ID3D11Device *device;
 static ID3D11DeviceContext *context;
 static IDXGISwapChain *swap_chain;
@@ -139,6 +138,8 @@ static ID3D11SamplerState *sampler;
 static Camera camera;
 static const Shot *shot = &SHOTS[0];
 static int debug_view = -1; // value of BokehDebugMode; -1: no debug view but the result
+
+#include "../direct3d9/window.h"
 
 #define CHECK(call) check((call), #call)
 static void check(HRESULT status, const char *call)
@@ -424,19 +425,6 @@ static void read_back(const Target &target, int texel_bytes, void *pixels)
     copy->Release();
 }
 
-// Depths in metres. The autofocus moves to the nearest of them.
-static float aimed[NUM_AIMS];
-
-// Focuses on a point of the world, at once.
-static void focus_on_place(const float place[3])
-{
-    parameters.FocusDistance = view_depth(&camera, place);
-    for (int i = 0; i < NUM_AIMS; i++)
-        aimed[i] = parameters.FocusDistance;
-}
-
-// Aims the autofocus at a pixel: reads the depths of the last frame at this pixel and around it. The focus then moves
-// in pull_focus().
 static void aim_at(int x, int y)
 {
     static float stored[HEIGHT][WIDTH];
@@ -449,63 +437,12 @@ static void aim_at(int x, int y)
     }
 }
 
-// Moves the focus smoothly towards the nearest of the aimed depths. Call it in every frame, with the time since the
-// last frame in seconds. With INFINITY, the focus arrives at once.
-static void pull_focus(float seconds)
-{
-    parameters.FocusDistance = pulled_focus(parameters.FocusDistance, aimed, seconds, PULL_SECONDS);
-}
-
 // ---- the program ----
 
-static LRESULT CALLBACK on_message(HWND owner, UINT message, WPARAM w, LPARAM l)
+static void show_frame()
 {
-    if (message == WM_LBUTTONDOWN)
-        aim_at(GET_X_LPARAM(l) / ZOOM, GET_Y_LPARAM(l) / ZOOM);
-    else if (message == WM_KEYDOWN && w >= '1' && w < '1' + NUM_SHOTS)
-        shot = &SHOTS[w - '1'];
-    else if (message == WM_KEYDOWN && w == 'D')
-        debug_view = debug_view + 1 < NUM_DEBUG_VIEWS ? debug_view + 1 : -1;
-    else if (message == WM_DESTROY)
-        PostQuitMessage(0);
-    else
-        return DefWindowProcA(owner, message, w, l);
-    return 0;
-}
-
-static void make_window()
-{
-    WNDCLASSA kind = {};
-    RECT area = {0, 0, WIDTH * ZOOM, HEIGHT * ZOOM};
-    const DWORD style = WS_OVERLAPPED | WS_CAPTION | WS_SYSMENU;
-    kind.lpfnWndProc = on_message;
-    kind.hInstance = GetModuleHandleA(nullptr);
-    kind.lpszClassName = "bokeh";
-    kind.hCursor = LoadCursor(nullptr, IDC_CROSS);
-    RegisterClassA(&kind);
-    AdjustWindowRect(&area, style, FALSE);
-    window = CreateWindowA("bokeh", "Polygonal bokeh, Direct3D 11", style, CW_USEDEFAULT, CW_USEDEFAULT,
-                           area.right - area.left, area.bottom - area.top, nullptr, nullptr, kind.hInstance, nullptr);
-    if (!window) {
-        fprintf(stderr, "cannot open a window: is there a display?\n");
-        exit(1);
-    }
-}
-
-static void run()
-{
-    MSG message = {};
-    ULONGLONG last = GetTickCount64();
-    ShowWindow(window, SW_SHOW);
-    while (message.message != WM_QUIT) {
-        const ULONGLONG now = GetTickCount64();
-        pull_focus((now - last) * 0.001f);
-        last = now;
-        draw_frame();
-        CHECK(swap_chain->Present(1, 0));
-        while (message.message != WM_QUIT && PeekMessageA(&message, nullptr, 0, 0, PM_REMOVE))
-            DispatchMessageA(&message);
-    }
+    draw_frame();
+    CHECK(swap_chain->Present(1, 0));
 }
 
 static void adapter_name(char *name, int size)
@@ -590,7 +527,7 @@ static void capture(const char *folder)
 
 int main(int argc, char **argv)
 {
-    make_window();
+    make_window("Polygonal bokeh, Direct3D 11");
     make_device();
     make_scene();
     camera = make_camera();

@@ -128,7 +128,6 @@ static struct BokehParameters parameters = {
     .ImageHeight = HEIGHT,
 };
 
-static HWND window;
 static IDirect3D9 *direct3d;
 static IDirect3DDevice9 *device;
 static PixelShader shaders[MAX_SHADERS];
@@ -139,6 +138,8 @@ static IDirect3DSurface9 *back_buffer, *z_buffer;
 static Camera camera;
 static const Shot *shot = &SHOTS[0];
 static int debug_view = -1; /* value of BokehDebugMode; -1: no debug view but the result */
+
+#include "window.h"
 
 #define CHECK(call) check((call), #call)
 static void check(HRESULT status, const char *call)
@@ -416,19 +417,6 @@ static void read_back(const Target *target, int texel_bytes, void *pixels)
     IDirect3DSurface9_Release(copy);
 }
 
-/* Depths in metres. The autofocus moves to the nearest of them. */
-static float aimed[NUM_AIMS];
-
-/* Focuses on a point of the world, at once. */
-static void focus_on_place(const float place[3])
-{
-    parameters.FocusDistance = view_depth(&camera, place);
-    for (int i = 0; i < NUM_AIMS; i++)
-        aimed[i] = parameters.FocusDistance;
-}
-
-/* Aims the autofocus at a pixel: reads the depths of the last frame at this pixel and around it. The focus then moves
- * in pull_focus(). */
 static void aim_at(int x, int y)
 {
     static float metres[HEIGHT][WIDTH];
@@ -440,61 +428,13 @@ static void aim_at(int x, int y)
     }
 }
 
-/* Moves the focus smoothly towards the nearest of the aimed depths. Call it in every frame, with the time since the
- * last frame in seconds. With INFINITY, the focus arrives at once. */
-static void pull_focus(float seconds)
-{
-    parameters.FocusDistance = pulled_focus(parameters.FocusDistance, aimed, seconds, PULL_SECONDS);
-}
-
 /* ---- the program ---- */
 
-static LRESULT CALLBACK on_message(HWND owner, UINT message, WPARAM w, LPARAM l)
+static void show_frame(void)
 {
-    if (message == WM_LBUTTONDOWN)
-        aim_at(GET_X_LPARAM(l) / ZOOM, GET_Y_LPARAM(l) / ZOOM);
-    else if (message == WM_KEYDOWN && w >= '1' && w < '1' + NUM_SHOTS)
-        shot = &SHOTS[w - '1'];
-    else if (message == WM_KEYDOWN && w == 'D')
-        debug_view = debug_view + 1 < NUM_DEBUG_VIEWS ? debug_view + 1 : -1;
-    else if (message == WM_DESTROY)
-        PostQuitMessage(0);
-    else
-        return DefWindowProcA(owner, message, w, l);
-    return 0;
-}
-
-static void make_window(void)
-{
-    WNDCLASSA class = {.lpfnWndProc = on_message, .hInstance = GetModuleHandleA(NULL), .lpszClassName = "bokeh"};
-    RECT area = {0, 0, WIDTH * ZOOM, HEIGHT * ZOOM};
-    const DWORD style = WS_OVERLAPPED | WS_CAPTION | WS_SYSMENU;
-    class.hCursor = LoadCursor(NULL, IDC_CROSS);
-    RegisterClassA(&class);
-    AdjustWindowRect(&area, style, FALSE);
-    window = CreateWindowA("bokeh", "Polygonal bokeh, Direct3D 9", style, CW_USEDEFAULT, CW_USEDEFAULT,
-                           area.right - area.left, area.bottom - area.top, NULL, NULL, class.hInstance, NULL);
-    if (!window) {
-        fprintf(stderr, "cannot open a window: is there a display?\n");
-        exit(1);
-    }
-}
-
-static void run(void)
-{
-    MSG message = {0};
-    ULONGLONG last = GetTickCount64();
-    ShowWindow(window, SW_SHOW);
-    while (message.message != WM_QUIT) {
-        const ULONGLONG now = GetTickCount64();
-        pull_focus((now - last) * 0.001f);
-        last = now;
-        draw_frame();
-        /* the sample does not restore a lost device: it ends */
-        CHECK(IDirect3DDevice9_Present(device, NULL, NULL, NULL, NULL));
-        while (message.message != WM_QUIT && PeekMessageA(&message, NULL, 0, 0, PM_REMOVE))
-            DispatchMessageA(&message);
-    }
+    draw_frame();
+    /* the sample does not restore a lost device: it ends */
+    CHECK(IDirect3DDevice9_Present(device, NULL, NULL, NULL, NULL));
 }
 
 /* Writes all targets of a shot's passes into a file, one after the other. */
@@ -565,7 +505,7 @@ static void capture(const char *folder)
 
 int main(int argc, char **argv)
 {
-    make_window();
+    make_window("Polygonal bokeh, Direct3D 9");
     make_device();
     make_targets();
     make_shaders();

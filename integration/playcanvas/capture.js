@@ -5,26 +5,8 @@ import { GSplatContainer, GSplatFormat } from 'playcanvas';
 import { PROJECTION_ORTHOGRAPHIC, PROJECTION_PERSPECTIVE } from 'playcanvas';
 import { RESOLUTION_FIXED, SSAOTYPE_LIGHTING, Vec3, version } from 'playcanvas';
 import { addBokeh, app, box, camera, depthsUnder, frame as first, subject } from './sample.js';
-
-const WIDTH = 320;
-const HEIGHT = 240;
-// The size of the shots is small, because the reference computes every pass of each shot.
-const SIZE = [160, 120];
-// For layered, a size that 2, 4 and 8 do not divide, because its targets have 1 / 2, 1 / 4 and 1 / 8 of the size
-const ODD_SIZE = [157, 117];
-const SHAPES = {
-  layered: { hexagon: 6, square: 4, octagon: 8, decagon: 10 }, // the default first
-  exact: { square: 4, hexagon: 6, octagon: 8, decagon: 10 },
-  paper: { hexagon: 6, octagon: 8 },
-};
-// Polygons to draw a second time, rotated by CLOCKWISE degrees and squeezed
-const ROTATED = { exact: 'square', paper: 'hexagon' };
-const CLOCKWISE = 10;
-const SQUEEZE = 0.75;
-const uniformsOf = (rotated) => (rotated ? { rotation: (CLOCKWISE * Math.PI) / 180, squeeze: SQUEEZE } : {});
-const keysOf = (rotated) => (rotated ? { clockwise: CLOCKWISE, squeeze: SQUEEZE } : {});
-
-const base64 = (array) => new Uint8Array(array.buffer, array.byteOffset, array.byteLength).toBase64();
+import { addShot, base64, cameraOf, HEIGHT, ODD_SIZE, pulledTo } from '../web/test/captures.js';
+import { SHAPES, shotsOf, SIZE, sizeOf, uniformsOf, WIDTH } from '../web/test/captures.js';
 
 // Draws a frame with a new PolygonBokehFrame, which the next call destroys. change(frame) is called before it is drawn.
 let last = first;
@@ -77,25 +59,12 @@ export async function capture() {
   app.renderNextFrame = true;
   const picture = await new Promise((done) => app.once('frameend', () => canvas.toBlob(done)));
   const files = { 'picture.png': base64(await picture.bytes()) };
-  const rows = Object.entries(SHAPES).flatMap(([method, shapes]) => {
-    return Object.keys(shapes).map((aperture) => [`${method}-${aperture}`, method, aperture, false]);
-  });
-  for (const [method, aperture] of Object.entries(ROTATED)) rows.push([`rotated-${method}`, method, aperture, true]);
-  for (const [name, method, aperture, rotated] of rows) {
-    const sides = SHAPES[method][aperture];
-    const [width, height] = method === 'layered' ? ODD_SIZE : SIZE;
-    const change = ({ uniforms }) => Object.assign(uniforms, uniformsOf(rotated));
-    const frame = await draw({ method, sides, opaque: false }, [width, height], change);
-    const shot = { name, method, aperture, width, height, ...keysOf(rotated), ...settings(method, frame) };
-    for (const [what, array] of Object.entries(await read(frame))) {
-      shot[what] = `${name}-${what}.${array.BYTES_PER_ELEMENT === 2 ? 'f16' : 'f32'}`;
-      files[shot[what]] = base64(array);
-    }
-    if (method === 'layered') {
-      shot.written = `${name}.written`;
-      files[shot.written] = base64(await written(frame));
-    }
-    data.shots.push(shot);
+  for (const shot of shotsOf(Object.keys(SHAPES))) {
+    const { method, aperture } = shot;
+    const change = ({ uniforms }) => Object.assign(uniforms, uniformsOf(shot));
+    const frame = await draw({ method, sides: SHAPES[method][aperture], opaque: false }, sizeOf(shot), change);
+    const targets = method === 'layered' && (await written(frame));
+    addShot({ data, files }, shot, settings(method, frame), await read(frame), targets);
   }
   data.pull = await pulled(Boolean(gl));
   return { data, files };
@@ -106,12 +75,8 @@ export async function capture() {
 async function pulled(bottomUp) {
   const points = [[0.951, 0.656], [0.595, 0.464]];
   const depths = await depthsUnder(points);
-  const [frame, seconds, from, distances] = [1 / 30, 0.2, last.uniforms.focusDistance, []];
-  for (let i = 0; i < 12; i++) {
-    last.pullFocus(frame, depths, seconds);
-    distances.push(last.uniforms.focusDistance);
-  }
-  return { frame, seconds, from, points: points.map(([x, y], i) => [x, bottomUp ? 1 - y : y, depths[i]]), distances };
+  const shown = points.map(([x, y]) => [x, bottomUp ? 1 - y : y]);
+  return pulledTo(last, () => last.uniforms.focusDistance, shown, depths);
 }
 
 const names = (gl) => gl.getExtension('WEBGL_debug_renderer_info');
@@ -120,18 +85,11 @@ const adapter = ({ adapterInfo: { vendor, architecture, description } }) =>
 
 // Returns the settings as the shaders got them, in float32.
 function settings(method, { uniforms, renderPassCamera: { sceneDepthTexture } }) {
-  const value = (name) => Math.fround(uniforms[name]);
   return {
     // the reference has no presets for paper: give it the samples and the spacing of MEDIUM
     ...(method === 'paper' && { samples: 9, spacing: 1.5 }),
     ...(sceneDepthTexture && { stored: { kind: 3, near: 1, far: 0 } }),
-    camera: {
-      aperture_diameter: value('apertureDiameter'),
-      focal_length: value('focalLength'),
-      focus_distance: value('focusDistance'),
-      sensor_height: value('sensorHeight'),
-      max_coc: value('maxCoC'),
-    },
+    camera: cameraOf((name) => uniforms[name]),
   };
 }
 

@@ -1,24 +1,8 @@
 // For the validation suite only: draws every method and polygon, and returns their inputs and results as raw pixels.
 
 import { OrthographicCamera, Raycaster, REVISION, Vector2 } from 'three';
-
-const WIDTH = 320;
-const HEIGHT = 240;
-// The size of the shots is small, because the reference computes every pass of each shot.
-const SIZE = [160, 120];
-// For layered, a size that 2, 4 and 8 do not divide, because its targets have 1 / 2, 1 / 4 and 1 / 8 of the size
-const ODD_SIZE = [157, 117];
-const SHAPES = {
-  layered: { hexagon: 6, square: 4, octagon: 8, decagon: 10 }, // the default first
-  exact: { square: 4, hexagon: 6, octagon: 8, decagon: 10 },
-  paper: { hexagon: 6, octagon: 8 },
-};
-// Polygons to draw a second time, rotated by CLOCKWISE degrees and squeezed
-const ROTATED = { exact: 'square', paper: 'hexagon' };
-const CLOCKWISE = 10;
-const SQUEEZE = 0.75;
-const uniformsOf = (rotated) => (rotated ? { rotation: (CLOCKWISE * Math.PI) / 180, squeeze: SQUEEZE } : {});
-const keysOf = (rotated) => (rotated ? { clockwise: CLOCKWISE, squeeze: SQUEEZE } : {});
+import { addShot, base64, cameraOf, HEIGHT, pulledTo } from '../web/test/captures.js';
+import { SHAPES, shotsOf, SIZE, sizeOf, uniformsOf, WIDTH } from '../web/test/captures.js';
 
 // The same functions for each sample:
 //   draw(options, size, changes)  draws a frame and returns it, { bokeh, ... }; `changes` are another camera, renderer,
@@ -151,8 +135,6 @@ async function written({ passes }, pixels) {
   return new Uint8Array(await new Blob(found).arrayBuffer());
 }
 
-const base64 = (array) => new Uint8Array(array.buffer, array.byteOffset, array.byteLength).toBase64();
-
 // Returns { data: the content of capture.json, files: name -> base64 } for 'webgl' or 'webgpu'.
 export async function capture(kind) {
   const sample = await samples[kind]();
@@ -160,29 +142,15 @@ export async function capture(kind) {
   const data = { engine: `${engine} r${REVISION}`, device, width: SIZE[0], height: SIZE[1], shots: [] };
   const picture = await sample.picture(sample.draw({}, [2 * WIDTH, 2 * HEIGHT]));
   const files = { 'picture.png': base64(await picture.bytes()) };
-  const rows = Object.entries(SHAPES).flatMap(([method, shapes]) => {
-    return Object.entries(shapes).map(([aperture, sides]) => [`${method}-${aperture}`, method, aperture, sides, {}]);
-  });
-  for (const [method, aperture] of Object.entries(ROTATED)) {
-    rows.push([`rotated-${method}`, method, aperture, SHAPES[method][aperture], { rotated: true }]);
-  }
-  const occluded = ['after-occlusion', 'layered', 'hexagon', 6, { chain: sample.addOccludedBokeh }];
-  if (sample.addOccludedBokeh) rows.splice(1, 0, occluded);
-  for (const [name, method, aperture, sides, changes] of rows) {
-    const [width, height] = method === 'layered' ? ODD_SIZE : SIZE;
-    const uniforms = uniformsOf(changes.rotated);
-    const frame = sample.draw({ method, sides, opaque: false }, [width, height], { ...changes, uniforms });
-    const known = { ...keysOf(changes.rotated), ...settings(method, frame.bokeh.uniforms) };
-    const shot = { name, method, aperture, width, height, ...known };
-    for (const [what, array] of Object.entries(await sample.read(frame))) {
-      shot[what] = `${name}-${what}.${array.BYTES_PER_ELEMENT === 2 ? 'f16' : 'f32'}`;
-      files[shot[what]] = base64(array);
-    }
-    if (method === 'layered') {
-      shot.written = `${name}.written`;
-      files[shot.written] = base64(await sample.readPasses(frame));
-    }
-    data.shots.push(shot);
+  const shots = shotsOf(Object.keys(SHAPES));
+  const occluded = { name: 'after-occlusion', method: 'layered', aperture: 'hexagon', chain: sample.addOccludedBokeh };
+  if (sample.addOccludedBokeh) shots.splice(1, 0, occluded);
+  for (const shot of shots) {
+    const { method, aperture, chain } = shot;
+    const changes = { ...(chain && { chain }), uniforms: uniformsOf(shot) };
+    const frame = sample.draw({ method, sides: SHAPES[method][aperture], opaque: false }, sizeOf(shot), changes);
+    const written = method === 'layered' && (await sample.readPasses(frame));
+    addShot({ data, files }, shot, settings(method, frame.bokeh.uniforms), await sample.read(frame), written);
     data.pull = pulled(frame.bokeh, sample, kind === 'webgl');
   }
   return { data, files };
@@ -194,13 +162,8 @@ function pulled(bokeh, { scene, camera }, bottomUp) {
   const { focusDistance } = bokeh.uniforms;
   const points = [[0.9, -0.31], [0.19, 0.07]];
   const depths = bokeh.depthsUnder(points, scene);
-  const [frame, seconds, from, distances] = [1 / 30, 0.2, focusDistance.value, []];
-  for (let i = 0; i < 12; i++) {
-    bokeh.pullFocus(frame, depths, seconds);
-    distances.push(focusDistance.value);
-  }
-  const rows = ([x, y], i) => [(x + 1) / 2, bottomUp ? (1 + y) / 2 : (1 - y) / 2, depths[i]];
-  return { frame, seconds, from, points: points.map(rows), distances };
+  const shown = points.map(([x, y]) => [(x + 1) / 2, bottomUp ? (1 + y) / 2 : (1 - y) / 2]);
+  return pulledTo(bokeh, () => focusDistance.value, shown, depths);
 }
 
 // Returns the settings as the shaders got them, in float32.
@@ -210,13 +173,7 @@ function settings(method, uniforms) {
   return {
     // the reference has no presets for paper: give it the samples and the spacing of MEDIUM
     ...(method === 'paper' ? { samples: 9, spacing: 1.5 } : { stored }),
-    camera: {
-      aperture_diameter: value('apertureDiameter'),
-      focal_length: value('focalLength'),
-      focus_distance: value('focusDistance'),
-      sensor_height: value('sensorHeight'),
-      max_coc: value('maxCoC'),
-    },
+    camera: cameraOf((name) => uniforms[name].value),
   };
 }
 

@@ -52,6 +52,8 @@ def test_installed(tmp_path):
     """
     local = shutil.ignore_patterns("node_modules")
     sample = shutil.copytree(SAMPLES[0], tmp_path / "integration/threejs", ignore=local)
+    shared = paths.ensured(tmp_path / "integration/web/test")
+    shutil.copy(WEB / "test/captures.js", shared)
     with needed("threejs-webgl"):
         pages.call_npm(tmp_path, "pack", WEB)
         (archive,) = tmp_path.glob("polygonal-bokeh-*.tgz")

@@ -1,0 +1,84 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * The window and the autofocus of both Direct3D samples. Include it after SHOTS, `parameters`, `camera`, `shot` and
+ * `debug_view`, which it uses.
+ */
+#ifndef WINDOW_H
+#define WINDOW_H
+
+/* Each sample defines these two functions. aim_at() aims the autofocus at a pixel: it reads the depths of the last
+ * frame at this pixel and around it. show_frame() draws a frame and shows it in the window. */
+static void aim_at(int x, int y);
+static void show_frame(void);
+
+static HWND window;
+
+/* Depths in metres. The autofocus moves to the nearest of them. */
+static float aimed[NUM_AIMS];
+
+/* Focuses on a point of the world, at once. */
+static void focus_on_place(const float place[3])
+{
+    parameters.FocusDistance = view_depth(&camera, place);
+    for (int i = 0; i < NUM_AIMS; i++)
+        aimed[i] = parameters.FocusDistance;
+}
+
+/* Moves the focus smoothly towards the nearest of the aimed depths. Call it in every frame, with the time since the
+ * last frame in seconds. With INFINITY, the focus arrives at once. */
+static void pull_focus(float seconds)
+{
+    parameters.FocusDistance = pulled_focus(parameters.FocusDistance, aimed, seconds, PULL_SECONDS);
+}
+
+static LRESULT CALLBACK on_message(HWND owner, UINT message, WPARAM w, LPARAM l)
+{
+    if (message == WM_LBUTTONDOWN)
+        aim_at(GET_X_LPARAM(l) / ZOOM, GET_Y_LPARAM(l) / ZOOM);
+    else if (message == WM_KEYDOWN && w >= '1' && w < '1' + NUM_SHOTS)
+        shot = &SHOTS[w - '1'];
+    else if (message == WM_KEYDOWN && w == 'D')
+        debug_view = debug_view + 1 < NUM_DEBUG_VIEWS ? debug_view + 1 : -1;
+    else if (message == WM_DESTROY)
+        PostQuitMessage(0);
+    else
+        return DefWindowProcA(owner, message, w, l);
+    return 0;
+}
+
+static void make_window(const char *title)
+{
+    WNDCLASSA kind = {0};
+    RECT area = {0, 0, WIDTH * ZOOM, HEIGHT * ZOOM};
+    const DWORD style = WS_OVERLAPPED | WS_CAPTION | WS_SYSMENU;
+    kind.lpfnWndProc = on_message;
+    kind.hInstance = GetModuleHandleA(NULL);
+    kind.lpszClassName = "bokeh";
+    kind.hCursor = LoadCursor(NULL, IDC_CROSS);
+    RegisterClassA(&kind);
+    AdjustWindowRect(&area, style, FALSE);
+    window = CreateWindowA("bokeh", title, style, CW_USEDEFAULT, CW_USEDEFAULT, area.right - area.left,
+                           area.bottom - area.top, NULL, NULL, kind.hInstance, NULL);
+    if (!window) {
+        fprintf(stderr, "cannot open a window: is there a display?\n");
+        exit(1);
+    }
+}
+
+/* Draws frames until the window is closed. */
+static void run(void)
+{
+    MSG message = {0};
+    ULONGLONG last = GetTickCount64();
+    ShowWindow(window, SW_SHOW);
+    while (message.message != WM_QUIT) {
+        const ULONGLONG now = GetTickCount64();
+        pull_focus((now - last) * 0.001f);
+        last = now;
+        show_frame();
+        while (message.message != WM_QUIT && PeekMessageA(&message, NULL, 0, 0, PM_REMOVE))
+            DispatchMessageA(&message);
+    }
+}
+
+#endif
