@@ -107,12 +107,7 @@ function passesOf(engine, options, held, names) {
 // Adds the methods for lens and focus, which the post process and the task share. They use this.camera.
 const withLens = (Base) =>
   class extends Base {
-    // Sets focalLength and apertureDiameter from the camera's field of view and an f-stop; call it again after a zoom.
-    //   fStop       above 0
-    //   bokehScale  how many times as wide the blur is as that of a real lens. At 1 you get the real lens, which barely
-    //               blurs at a game's field of view (docs/lens.md); 0 turns the blur off.
-    // An orthographic camera has no field of view, so focalLength stays as it is. Throws an Error if an argument is
-    // invalid.
+    // common.d.ts describes this method, and pullFocus().
     setLens(fStop = 2.8, bokehScale = 10) {
       const { uniforms, camera } = this;
       if (camera.mode === Constants.PERSPECTIVE_CAMERA) {
@@ -131,8 +126,6 @@ const withLens = (Base) =>
       return Math.abs(Vector3.TransformCoordinates(point, this.camera.getViewMatrix(true)).z);
     }
 
-    // Autofocus: moves the focus smoothly to the nearest of these depths (metres). Call it in every frame. dt is the
-    // time since the last frame, and tau the time constant of the movement, both in seconds.
     pullFocus(dt, depths, tau = 0.2) {
       this.uniforms.focusDistance = pulled(this.uniforms.focusDistance, dt, depths, tau);
     }
@@ -140,14 +133,8 @@ const withLens = (Base) =>
 
 export class PolygonBokeh extends withLens(PostProcess) {
   // camera   the camera whose image is blurred
-  // given    the options; throws an Error if one of them is invalid:
-  //   method   'layered' (default): blurred near objects spread over the sharp background; 'exact': each pixel is
-  //            blurred by its own circle of confusion, in fewer passes
-  //   sides    number of sides of the polygon: 6 (default), 4, 8 or 10
-  //   preset   number and spacing of samples: 'MEDIUM' (default), 'MOBILE', 'LOW', 'HIGH' or 'ULTRA'
-  //   opaque   true (default): the result has an alpha of 1; false: its alpha is the signed circle of confusion, which
-  //            a canvas would take for transparency
-  //   extras   a list of keys of EXTRAS in common.js; empty by default
+  // given    the options, which common.d.ts describes, but without paper; throws an Error if one of them is invalid.
+  //          One more option:
   //   view     a debug view to show instead of the result: 'depth', 'coc' (circle of confusion) or 'focus' (near and
   //            far field)
   constructor(camera, given) {

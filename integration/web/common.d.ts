@@ -15,7 +15,7 @@ export interface Options {
   /** Number and spacing of samples; `MEDIUM` by default */
   preset?: Preset;
   /** true, the default: the result has an alpha of 1. false: its alpha is the circle of confusion as a fraction of the
-   * image height, negative in front of the focus (with `paper`, it has no sign). */
+   * image height, negative in front of the focus (with `paper`, it has no sign); a canvas would take it for opacity. */
   opaque?: boolean;
   /** The extras to use; none by default */
   extras?: readonly Extra[];
@@ -64,4 +64,24 @@ export interface Lens<T = number> {
   nearMaxCoC?: T;
   /** `focusRange`: largest circle of confusion behind the focus, as a fraction of the image height; 1 by default */
   farMaxCoC?: T;
+}
+
+/** The methods for lens and focus that all classes have */
+export interface LensControls {
+  /**
+   * Sets the focal length and the aperture diameter from the camera's field of view and an f-stop. Call it again after
+   * a zoom. An orthographic camera has no field of view, so the focal length stays as it is. Throws an Error if an
+   * argument is invalid.
+   * @param fStop above 0; 2.8 by default
+   * @param bokehScale how many times as wide the blur is as that of a real lens; 10 by default, 0 turns the blur off. At
+   * 1 you get the real lens, which barely blurs at a game's field of view (docs/lens.md).
+   */
+  setLens(fStop?: number, bokehScale?: number): void;
+  /**
+   * Moves the focus smoothly to the nearest of several depths. Call it in every frame.
+   * @param dt time since the last frame, in seconds
+   * @param depths metres along the view axis
+   * @param tau time constant of the movement, in seconds; 0.2 by default
+   */
+  pullFocus(dt: number, depths: number[], tau?: number): void;
 }

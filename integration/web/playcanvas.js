@@ -249,15 +249,7 @@ class BokehCameraFrame extends FramePassCameraFrame {
 
 export class PolygonBokehFrame extends CameraFrame {
   // app, cameraComponent  as for CameraFrame
-  // options               throws an Error if one of them is invalid:
-  //   method   'layered' (default): blurred near objects spread over the sharp background; 'exact': each pixel is
-  //            blurred by its own circle of confusion, in fewer passes; 'paper': blurs along lines, and combines them
-  //            by min
-  //   sides    number of sides of the polygon: 6 (default) or 8; with layered and exact also 4 and 10
-  //   preset   number and spacing of samples: 'MEDIUM' (default), 'MOBILE', 'LOW', 'HIGH' or 'ULTRA'
-  //   opaque   true (default): the result has an alpha of 1; false: its alpha is the circle of confusion, signed except
-  //            with paper, which a canvas would take for transparency
-  //   extras   a list of keys of EXTRAS in common.js; empty by default
+  // options               see common.d.ts; throws an Error if one of them is invalid
   // Also throws an Error if the device cannot draw into textures of 32-bit floats.
   constructor(app, cameraComponent, options) {
     const bokehOptions = checked('PolygonBokehFrame', options);
@@ -278,12 +270,7 @@ export class PolygonBokehFrame extends CameraFrame {
     return new BokehCameraFrame(this.app, this, this.cameraComponent, this.options);
   }
 
-  // Sets focalLength and apertureDiameter from the camera's field of view and an f-stop; call it again after a zoom.
-  //   fStop       above 0
-  //   bokehScale  how many times as wide the blur is as that of a real lens. At 1 you get the real lens, which barely
-  //               blurs at a game's field of view (docs/lens.md); 0 turns the blur off.
-  // An orthographic camera has no field of view, so focalLength stays as it is. Throws an Error if an argument is
-  // invalid.
+  // common.d.ts describes this method, and pullFocus().
   setLens(fStop = 2.8, bokehScale = 10) {
     const { projection, projectionMatrix } = this.cameraComponent;
     const { uniforms } = this;
@@ -298,8 +285,6 @@ export class PolygonBokehFrame extends CameraFrame {
     this.uniforms.focusDistance = -this.cameraComponent.viewMatrix.transformPoint(point).z;
   }
 
-  // Autofocus: moves the focus smoothly to the nearest of these depths (metres). Call it in every frame. dt is the time
-  // since the last frame, and tau the time constant of the movement, both in seconds.
   pullFocus(dt, depths, tau = 0.2) {
     this.uniforms.focusDistance = pulled(this.uniforms.focusDistance, dt, depths, tau);
   }

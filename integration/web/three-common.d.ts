@@ -1,5 +1,5 @@
 import type { Camera, Object3D, Scene, Vector2 } from 'three';
-import type { Lens, Options, Preset, Sides } from './common.js';
+import type { Lens, LensControls, Options, Preset, Sides } from './common.js';
 
 export interface ThreeOptions extends Options {
   /**
@@ -18,31 +18,17 @@ export interface Uniforms extends Lens<{ value: number }> {
 type Place = { x: number; y: number; z: number } | Object3D;
 
 /** The members that PolygonBokehPass and PolygonBokehNode share */
-export interface WithLens<Given> {
+export interface WithLens<Given> extends LensControls {
   camera: Camera;
   readonly options: Required<Omit<Given, 'depthTexture'>>;
   readonly uniforms: Uniforms;
   readonly passes: readonly unknown[];
   /** Size of the effect's own render targets in bytes */
   readonly memory: number;
-  /**
-   * Sets the focal length and the aperture diameter from the camera's field of view and an f-stop. Call it again after
-   * a zoom.
-   * @param fStop above 0; 2.8 by default
-   * @param bokehScale how many times as wide the blur is as that of a real lens; 10 by default, 0 turns the blur off
-   */
-  setLens(fStop?: number, bokehScale?: number): void;
   /** Returns the depth of a point of the scene or of an object along the view axis, in metres */
   depthOf(place: Place): number;
   /** Focuses on a point of the scene or on an object */
   focusOn(place: Place): void;
-  /**
-   * Moves the focus smoothly to the nearest of several depths. Call it in every frame.
-   * @param dt time since the last frame, in seconds
-   * @param depths metres along the view axis
-   * @param tau time constant of the movement, in seconds; 0.2 by default
-   */
-  pullFocus(dt: number, depths: number[], tau?: number): void;
   /**
    * Returns the depths of the visible objects under points of the view, in metres, and Infinity where there is none
    * @param points [x, y], from (-1, -1) at the lower left to (1, 1) at the upper right

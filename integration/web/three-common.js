@@ -20,12 +20,7 @@ export const THREE_CHOICES = { ...CHOICES, alpha: [false, true] };
 
 export const withLens = (Base, { Raycaster, Vector2, Vector3 }) =>
   class extends Base {
-    // Sets focalLength and apertureDiameter from the camera's field of view and an f-stop; call it again after a zoom.
-    //   fStop       above 0
-    //   bokehScale  how many times as wide the blur is as that of a real lens. At 1 you get the real lens, which barely
-    //               blurs at a game's field of view (docs/lens.md); 0 turns the blur off.
-    // An orthographic camera has no field of view, so focalLength stays as it is. Throws an Error if an argument is
-    // invalid.
+    // common.d.ts describes this method, and pullFocus().
     setLens(fStop = 2.8, bokehScale = 10) {
       const { apertureDiameter, focalLength, sensorHeight } = this.uniforms;
       const { camera } = this;
@@ -48,8 +43,6 @@ export const withLens = (Base, { Raycaster, Vector2, Vector3 }) =>
       this.uniforms.focusDistance.value = this.depthOf(place);
     }
 
-    // Autofocus: moves the focus smoothly to the nearest of these depths (metres). Call it in every frame. dt is the
-    // time since the last frame, and tau the time constant of the movement, both in seconds.
     pullFocus(dt, depths, tau = 0.2) {
       const { focusDistance } = this.uniforms;
       focusDistance.value = pulled(focusDistance.value, dt, depths, tau);

@@ -45,15 +45,7 @@ export const FLOAT = { type: FloatType, format: RedFormat, minFilter: NearestFil
 export const withPasses = (Base) =>
   class extends withLens(Base, { Raycaster, Vector2, Vector3 }) {
     // camera          the camera that draws the scene
-    // options         throws an Error if one of them is invalid:
-    //   method        'layered' (default): blurred near objects spread over the sharp background; 'exact': each pixel
-    //                 is blurred by its own circle of confusion, in fewer passes; 'paper': blurs along lines, and
-    //                 combines them by min
-    //   sides         number of sides of the polygon: 6 (default) or 8; with layered and exact also 4 and 10
-    //   preset        number and spacing of samples: 'MEDIUM' (default), 'MOBILE', 'LOW', 'HIGH' or 'ULTRA'
-    //   opaque        true (default): the result has an alpha of 1; false: its alpha is the circle of confusion, signed
-    //                 except with paper, which a canvas would take for transparency
-    //   extras        a list of keys of EXTRAS in common.js; empty by default
+    // options         see common.d.ts; throws an Error if one of them is invalid. Two more options:
     //   alpha         see three-common.js
     //   depthTexture  depth of the scene, if it is not the depth of the composer's target
     constructor(camera, options) {
