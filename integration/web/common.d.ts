@@ -73,8 +73,8 @@ export interface LensControls {
    * a zoom. An orthographic camera has no field of view, so the focal length stays as it is. Throws an Error if an
    * argument is invalid.
    * @param fStop above 0; 2.8 by default
-   * @param bokehScale how many times as wide the blur is as that of a real lens; 10 by default, 0 turns the blur off. At
-   * 1 you get the real lens, which barely blurs at a game's field of view (docs/lens.md).
+   * @param bokehScale how many times as wide the blur is as that of a real lens; 10 by default, 0 turns the blur off.
+   * At 1 you get the real lens, which barely blurs at a game's field of view (docs/lens.md).
    */
   setLens(fStop?: number, bokehScale?: number): void;
   /**
