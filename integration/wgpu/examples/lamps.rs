@@ -3,7 +3,7 @@ use polygonal_bokeh::{Bokeh, Depth, Lens, Method, Polygon, Preset, images};
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let adapter = pollster::block_on(wgpu::Instance::default().request_adapter(&Default::default()))?;
     let (device, queue) = &pollster::block_on(adapter.request_device(&Default::default()))?;
-    // lamps of 3 x 3 pixels in front of a dark wall, 1 to 8 metres away
+    // lamps of 3 x 3 pixels, 1 to 8 metres away, in front of a dark wall
     let (width, height) = (960, 540);
     let (mut color, mut metres) = (vec![[0.01, 0.01, 0.02, 1.0]; width * height], vec![20.0; width * height]);
     for i in 0..8 * 9 {
