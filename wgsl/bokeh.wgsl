@@ -150,7 +150,7 @@ const BOKEH_TUNED_DENSE_RATIO: f32 = 0.25;
 alias BokehDepthTexture = texture_2d<f32>;
 
 // BokehHalf2 and BokehHalf4 hold what `layered` gathers. For half precision, set
-// BOKEH_HALF_PRECISION to 1, write f16 in place of f32 here, and put 'enable f16;' in the program's
+// BOKEH_HALF_PRECISION to 1, write f16 instead of f32 here, and put 'enable f16;' in the program's
 // first line.
 alias BokehHalf = f32;
 alias BokehHalf2 = vec2<BokehHalf>;

@@ -1097,8 +1097,8 @@ struct BokehLayersTargets
 }
 
 // Layers: blurs both layers of a square or a hexagon, first pass
-//   Reads both layers, their quarter layers and layerCoC, and writes the strips of both, in one
-//   pass in place of two.
+//   Reads both layers, their quarter layers and layerCoC, and writes the strips of both. It takes
+//   one pass instead of two.
 fn BokehLayersFirst(NearSamp: texture_2d<f32>, NearQuarterSamp: texture_2d<f32>,
     FarSamp: texture_2d<f32>, FarQuarterSamp: texture_2d<f32>, layerCoC: vec2f,
         polygon: BokehPolygon, layers: BokehLayerContext,
@@ -1216,7 +1216,7 @@ fn BokehRingBorder(ring: i32, rings: BokehRingLayout) -> f32
 
 // Layers: holds the gather around a pixel, as far as it has come
 //   sum           colour times weight and weight of everything found
-//   front         the same of what is in front of this pixel
+//   front         the part of sum that was found in front of this pixel
 //   farFound      weight of what was found in the far layer
 //   center        middle of this pixel, texels
 //   s, inverse, nearWeight  of this pixel: signed CoC in pixels, BokehSpreadInverse, near layer
@@ -1297,7 +1297,7 @@ fn BokehGatherRing(before: BokehGather, MapSamp: texture_2d<f32>, ring: BokehRin
     let current: f32 = gather.inner + (ring.outer - gather.inner) * outwards;
     let innerSquare: f32 = gather.inner * gather.inner;
     let area: f32 = ring.outer * ring.outer - innerSquare;
-    // the same of this pixel's disc, for samples behind its surface
+    // the part of the ring that this pixel's disc covers, for samples behind its surface
     let ownCovers: f32 = max(min(1.0 - innerSquare * gather.inverse, area * gather.inverse), 0.0);
     var phase: f32 = layers.jitter * clamp(current / f32(ring.index) - 1.0, 0.0, 1.0);
     if (ring.index != 2)

@@ -89,7 +89,7 @@ def _placed(mesh, location: Point, rotation: Point, parent) -> bpy.types.Object:
 
 
 def shape(vertices, faces, material, location=(0, 0, 0), rotation=(0, 0, 0), parent=None, sharp_degrees=35.0):
-    """Place a mesh of its own, smooth but for edges sharper than `sharp_degrees`."""
+    """Place a mesh of its own, smooth except for edges sharper than `sharp_degrees`."""
     mesh = bpy.data.meshes.new("shape")
     mesh.from_pydata(vertices, [], faces)
     mesh.materials.append(material)

@@ -1137,8 +1137,8 @@ struct BokehLayersTargets
 };
 
 // Layers: blurs both layers of a square or a hexagon, first pass
-//   Reads both layers, their quarter layers and layerCoC, and writes the strips of both, in one
-//   pass in place of two.
+//   Reads both layers, their quarter layers and layerCoC, and writes the strips of both. It takes
+//   one pass instead of two.
 BokehLayersTargets BokehLayersFirst(BOKEH_TEXTURE NearSamp, BOKEH_TEXTURE NearQuarterSamp,
     BOKEH_TEXTURE FarSamp, BOKEH_TEXTURE FarQuarterSamp, float2 layerCoC, BokehPolygon polygon,
     BokehLayerContext layers BOKEH_SAMPLER)
@@ -1250,7 +1250,7 @@ float BokehRingBorder(int ring, BokehRingLayout rings)
 
 // Layers: holds the gather around a pixel, as far as it has come
 //   sum           colour times weight and weight of everything found
-//   front         the same of what is in front of this pixel
+//   front         the part of sum that was found in front of this pixel
 //   farFound      weight of what was found in the far layer
 //   center        middle of this pixel, texels
 //   s, inverse, nearWeight  of this pixel: signed CoC in pixels, BokehSpreadInverse, near layer
@@ -1330,7 +1330,7 @@ BokehGather BokehGatherRing(BokehGather before, BOKEH_TEXTURE MapSamp, BokehRing
     float current = gather.inner + (ring.outer - gather.inner) * outwards;
     float innerSquare = gather.inner * gather.inner;
     float area = ring.outer * ring.outer - innerSquare;
-    // the same of this pixel's disc, for samples behind its surface
+    // the part of the ring that this pixel's disc covers, for samples behind its surface
     float ownCovers = max(min(1.0 - innerSquare * gather.inverse, area * gather.inverse), 0.0);
     float phase = layers.jitter * clamp(current / float(ring.index) - 1.0, 0.0, 1.0);
     if (ring.index != 2)

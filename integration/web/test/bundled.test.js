@@ -17,7 +17,7 @@ const canvas = renderer.domElement, draw = () => composer.render();`,
   react: `import './react.jsx';
 let canvas;
 const draw = async () => {
-  // until something is mounted, and drawn alike five times
+  // until something is mounted, and five frames are equal
   const blank = Object.assign(document.createElement('canvas'), { width: 640, height: 480 }).toDataURL();
   for (let seen, equal = 0; equal < 5; ) {
     await new Promise(requestAnimationFrame);

@@ -23,7 +23,7 @@ for (const version of VERSIONS) {
       assert.ok(light > 0);
     });
 
-    await t.test('a bokehScale of 0 draws a copy in place of all passes, and is the scene', async () => {
+    await t.test('a bokehScale of 0 draws a copy instead of all passes, and shows the scene', async () => {
       const { fewer, passes, acts, ...found } = await call('unblurred');
       assert.equal(fewer, passes - 1);
       assert.deepEqual(found, { off: 0, again: 0 });

@@ -41,7 +41,7 @@ def _without_options(text: str) -> str:
 
 
 def _with_values(texts: Mapping[str, str]) -> dict[str, str]:
-    """Return the texts with each tuned constant's value in place of its name and its declaration."""
+    """Return the texts with each tuned constant's name replaced by its value, and without its declaration."""
     whole = "".join(texts.values())
     values = dict(re.findall(TUNED, whole, re.MULTILINE))
     without = {name: re.sub(TUNED, "", text, flags=re.MULTILINE) for name, text in texts.items()}

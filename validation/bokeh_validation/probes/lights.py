@@ -138,7 +138,7 @@ def _judge_silhouette(outputs: dict[str, Outputs]) -> list[Check]:
     why = "what the silhouette hides is taken like the rest; a pixel beside it sees half of its polygon or more"
     return [
         Check("light on the sharp side", sharp[..., 2].max(), 0.0, 0.0, "nothing behind it can be sampled there"),
-        Check("the sharp side, off by", error, 0.0, STEP, "a quotient that is 1 but for rounding, and its store"),
+        Check("the sharp side, off by", error, 0.0, STEP, "a quotient that is 1 except for rounding, and its store"),
         Check("darkest behind, in units of the background", darkest, 1 - 4 * STEP, 1 + 4 * STEP, rim),
         Check("the silhouette's light behind it", behind[..., 1].max(), 0.0, 0.0, "it does not spread"),
         Check("light behind it, in units of the polygon's part there", light, 0.99, 2.0, why),

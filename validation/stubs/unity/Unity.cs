@@ -1,5 +1,5 @@
 // Stand-ins for the classes of Unity 6 (6000.0) and URP 17 that integration/unity uses: signatures after the public
-// API, bodies that do nothing. Parameters that Unity takes by `in` are by value here, which a caller writes alike.
+// API, bodies that do nothing. Parameters that Unity takes by `in` are by value here, which makes no difference to a caller.
 
 using System;
 using UnityEngine.Experimental.Rendering;

@@ -1,4 +1,4 @@
-// WebGPU: WGSL through tint and Dawn. Row 0 of every image is v = 0, in uploads, targets and copies alike.
+// WebGPU: WGSL through tint and Dawn. Row 0 of every image is v = 0, in uploads, targets and copies.
 
 import { decode, elements, encode } from "./job.js";
 
