@@ -28,12 +28,13 @@ LINE = {
 }
 COMMON = {
     "only section [2] of the library reads a texture": SAMPLING,
-    "a word that LOVE has redefined": r"\b(?:number|extern|Image|(?:Array|Cube|Volume)Image)\b",
     "a bit operator: SM3 has none": r"(?<![&|<>])(?:[&|](?![&|])|\^|~|<<|>>)",
     "WGSL cannot assign to a swizzle": r"\.(?:[xyzw]{2,4}|[rgba]{2,4}|[stpq]{2,4}) *(?:[-+*/%]?=(?!=)|\+\+|--)",
 }
-# bokeh_passes.* is exempt, since ReShade does not use it
+# bokeh_passes.* is exempt from these two, since neither ReShade nor LOVE uses it
 RESHADE = "a member of a function's result: ReShade's compiler makes invalid SPIR-V of it"
+LOVE = "a word that LOVE redefines by a macro"
+LOVE_MACROS = re.compile(r"\b(?:number|extern|Image|(?:Array|Cube|Volume)Image)\b")
 MEMBER_OF_RESULT = re.compile(r"\)\.(?![xyzwrgba]{1,4}\b)[A-Za-z]")
 DECLARED = re.compile(
     r"^#(?:define|undef) (\w+)|^(?:cbuffer|struct) (\w+)|^(?:const|override|alias) (\w+)"
@@ -77,6 +78,7 @@ def _findings(text: str, language: str, is_library: bool) -> Iterator[tuple[int,
         yield from _interface(text, language)
         return
     yield from ((match.start(), RESHADE) for match in MEMBER_OF_RESULT.finditer(code, common))
+    yield from ((match.start(), LOVE) for match in LOVE_MACROS.finditer(code, common))
     for function in shaders.FUNCTION.finditer(text, common):
         if not re.match(r"// \S[^:\n]*: \S", function["doc"]):
             yield function.start("head"), f"{function['name']} has no tag line '// Listing n: what it is'"

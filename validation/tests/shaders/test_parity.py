@@ -51,6 +51,7 @@ HELPER = [f"{head}\n{{{{\n    return x;\n}}}}\n\n" for head in ("float {}(float 
 # Description -> the change as mutated() takes it, for changes that test_hardly_a_token_can_go_unnoticed does not cover
 LIBRARY = {
     "the spelling of a literal": "([[0.5=>.5]] * cos(halfStep)",
+    "a macro of LOVE": "        [[safe=>number]] = min(value, maximum);",
     "a swizzle assigned": "        [[=>sum.rgb += weight; ]]sum = sum / samples;",
     "a default in the table": "//   BOKEH_MAX_COLOR          [[65504=>65500]].0",
     "a character that is not ASCII": "Listing 1: computes the CoC of a thin lens[[=> \u00e9]]",
@@ -164,6 +165,7 @@ ALIKE = {
     "nine parameters": f"BokehSanitize([[=>{MORE}]]float value,",
     "a tag line": "// [[Lines: divides=>Divides]] a weighted sum",
     "a bit operator": "k > [[polygon.sides / 2=>(polygon.sides | 2)]])",
+    "a macro of LOVE": "        [[safe=>number]] = min(value, maximum);",
     "a swizzle assigned": "        sum[[ *==>.xy =]] BokehEdgeArea(",
 }
 
