@@ -155,7 +155,7 @@ DEFAULTS = {
     "web/playcanvas.js": (r"fStop = ([\d.]+)", r"bokehScale = ([\d.]+)"),
     "web/react-common.js": (r"const \{ fStop = ([\d.]+)", r"2\.8, bokehScale = ([\d.]+)"),
     "reshade/Shaders/PolygonalBokeh.fx": (
-        r"float FStop <(?:.*\n){3}> = ([\d.]+);", r"float BokehScale <(?:.*\n){3}> = ([\d.]+);"),
+        r"float FStop <(?:.*\n){3,5}?> = ([\d.]+);", r"float BokehScale <(?:.*\n){3,5}?> = ([\d.]+);"),
 }  # fmt: skip
 
 
