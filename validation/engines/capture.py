@@ -31,9 +31,9 @@ frame is the duration of a frame and seconds the time constant; points are posit
 there ("depths" alone if the sample focuses on positions in the world); from is the focus distance before the first
 frame (else the camera's), distances those after each frame.
 
-A layered shot has "written": "layered-hexagon.written", a file of all targets that its passes wrote, (h, w, 4) float16
-each, in the order of docs/reference/passes.md. It is compared pass by pass, each with the device's own inputs, because
-a sample cannot be asked to draw a single pass of a frame.
+A shot may have "written": "layered-hexagon.written", a file of all targets that its passes wrote, (h, w, 4) float16
+each, in the order of docs/reference/passes.md; a layered shot must. It is then compared pass by pass, each with the
+device's own inputs, because a sample cannot be asked to draw a single pass of a frame.
 """
 
 import json
@@ -68,7 +68,7 @@ class Shot:
     result      (H, W, 4) float16
     expected    the reference's, with its interval
     comparison  of the result with the reference; its `outside` includes the pixels of all targets
-    outside     for a layered shot: target -> number of pixels outside its interval, where there are any
+    outside     for a shot with all targets: target -> number of pixels outside its interval, where there are any
     """
 
     name: str
@@ -116,7 +116,7 @@ def _shot(folder: Path, data: dict, shot: dict) -> Shot:
     settings = methods.Settings(**given_settings, camera=methods.Camera(**shot["camera"]))
     case = Case(f"{data['engine']}: {shot['name']}", settings, color, metres)
     result = _pixels(folder / shot["result"], np.float16, shape)
-    outputs = _written(folder / shot["written"], case) if settings.method == "layered" else {}
+    outputs = _written(folder / shot["written"], case) if settings.method == "layered" or "written" in shot else {}
     outputs["result"] = result
     textures = case.textures() | {"depth": depth}
     passes = [_of_buffer(render_pass, **stored) for render_pass in case.plan.passes]
@@ -161,8 +161,8 @@ def _compared(
     precision: Precision,
     rounding: str,
 ) -> Shot:
-    # layered is compared pass by pass, from the device's own inputs
-    device_targets = outputs if case.settings.method == "layered" else None
+    # compared pass by pass, from the device's own inputs, where they are known
+    device_targets = outputs if len(outputs) > 1 else None
     reference = pass_images.images(passes, textures, case.size, "half", precision, rounding, given=device_targets)
     # only the interval applies: in a scene with hard edges more comparisons are open than the bounds in steps allow
     comparisons = {key: metrics.compare(pixels, reference[key], False) for key, pixels in outputs.items()}

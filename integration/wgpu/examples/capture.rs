@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 
-//! Draws the scene in a folder with each method. Writes the results and, for layered, everything that the passes wrote
-//! into the same folder. This is for `validation/run engines wgpu`; your program does not need it.
+//! Draws the scene in a folder with each method. Writes the results and everything that the passes wrote into the same
+//! folder. This is for `validation/run engines wgpu`; your program does not need it.
 
 use polygonal_bokeh::{Bokeh, Depth, Lens, Method, Polygon, Preset, images};
 use std::{env, error::Error, fs, path::Path};
@@ -59,11 +59,9 @@ fn main() -> Result<(), Box<dyn Error>> {
         if clockwise != 0.0 {
             keys.push(format!(r#""clockwise": {clockwise}"#));
         }
-        if method == Method::Layered {
-            let bytes: Vec<u8> = written.iter().flat_map(|texture| images::bytes(device, queue, texture)).collect();
-            fs::write(folder.join(format!("{name}.written")), bytes)?;
-            keys.push(format!(r#""written": "{name}.written""#));
-        }
+        let bytes: Vec<u8> = written.iter().flat_map(|texture| images::bytes(device, queue, texture)).collect();
+        fs::write(folder.join(format!("{name}.written")), bytes)?;
+        keys.push(format!(r#""written": "{name}.written""#));
         shots.push(format!("{{{}}}", keys.join(", ")));
     }
     let camera = [
