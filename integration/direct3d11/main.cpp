@@ -490,7 +490,7 @@ static void capture(const char *folder)
         read_back(textures["result"], 8, pixels);
         snprintf(name, sizeof name, "%s.f16", shot->name);
         write_file(folder, name, pixels, WIDTH * HEIGHT * 8);
-        if (!strcmp(shot->method, "layered"))
+        if (strcmp(shot->method, "paper"))
             write_targets(folder, *shot);
         shots[i] = {shot->name, shot->method, shot->aperture, parameters.FocusDistance, clockwise};
         if (i == 0) {
