@@ -141,15 +141,6 @@ static int debug_view = -1; // value of BokehDebugMode; -1: no debug view but th
 
 #include "../direct3d9/window.h"
 
-#define CHECK(call) check((call), #call)
-static void check(HRESULT status, const char *call)
-{
-    if (FAILED(status)) {
-        fprintf(stderr, "%s returned %08lx\n", call, (unsigned long)status);
-        exit(1);
-    }
-}
-
 // ---- resources that are created once ----
 
 static ID3D11Texture2D *make_texture(int width, int height, DXGI_FORMAT format, D3D11_USAGE usage, UINT bind,
@@ -513,13 +504,7 @@ static void capture(const char *folder)
     }
     char name[256];
     adapter_name(name, sizeof name);
-    CapturedPull pulled = {136, 32, 1.0f / 30.0f, PULL_SECONDS, parameters.FocusDistance, {}, {}};
-    aim_at(pulled.x, pulled.y);
-    memcpy(pulled.depths, aimed, sizeof aimed);
-    for (int i = 0; i < NUM_PULLED; i++) {
-        pull_focus(pulled.frame);
-        pulled.distances[i] = parameters.FocusDistance;
-    }
+    const CapturedPull pulled = pulled_to(136, 32);
     char stored[64];
     snprintf(stored, sizeof stored, "{\"kind\": 1, \"near\": %.9g, \"far\": %.9g}", Z_NEAR, Z_FAR);
     write_capture(folder, "Direct3D 11", name, stored, shots, NUM_SHOTS + 1, &pulled);
@@ -530,18 +515,11 @@ int main(int argc, char **argv)
     make_window("Polygonal bokeh, Direct3D 11");
     make_device();
     make_scene();
-    camera = make_camera();
+    set_camera();
     make_targets();
     make_z_buffer();
     make_buffers();
     make_shaders();
     make_sampler();
-    parameters.FocalLength = focal_length();
-    parameters.ApertureDiameter = parameters.FocalLength / F_STOP;
-    parameters.MaxCoC = MAX_COC;
-    focus_on_place(SUBJECT);
-    if (argc > 1)
-        capture(argv[1]);
-    else
-        run();
+    return run(argc, argv);
 }

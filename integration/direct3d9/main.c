@@ -142,15 +142,6 @@ static int debug_view = -1; /* value of BokehDebugMode; -1: no debug view but th
 
 #include "window.h"
 
-#define CHECK(call) check((call), #call)
-static void check(HRESULT status, const char *call)
-{
-    if (FAILED(status)) {
-        fprintf(stderr, "%s returned %08lx\n", call, (unsigned long)status);
-        exit(1);
-    }
-}
-
 /* ---- resources that are created once ---- */
 
 static Target make_target(int width, int height, D3DFORMAT format)
@@ -489,13 +480,7 @@ static void capture(const char *folder)
     read_back(find("depth"), 4, pixels);
     write_file(folder, "depth.f32", pixels, WIDTH * HEIGHT * 4);
     CHECK(IDirect3D9_GetAdapterIdentifier(direct3d, D3DADAPTER_DEFAULT, 0, &adapter));
-    CapturedPull pulled = {136, 32, 1.0f / 30.0f, PULL_SECONDS, parameters.FocusDistance, {0}, {0}};
-    aim_at(pulled.x, pulled.y);
-    memcpy(pulled.depths, aimed, sizeof aimed);
-    for (int i = 0; i < NUM_PULLED; i++) {
-        pull_focus(pulled.frame);
-        pulled.distances[i] = parameters.FocusDistance;
-    }
+    const CapturedPull pulled = pulled_to(136, 32);
     write_capture(folder, "Direct3D 9", adapter.Description, NULL, shots, NUM_SHOTS + 1, &pulled);
 }
 
@@ -506,14 +491,6 @@ int main(int argc, char **argv)
     make_targets();
     make_shaders();
     make_scene();
-    camera = make_camera();
-    parameters.FocalLength = focal_length();
-    parameters.ApertureDiameter = parameters.FocalLength / F_STOP;
-    parameters.MaxCoC = MAX_COC;
-    focus_on_place(SUBJECT);
-    if (argc > 1)
-        capture(argv[1]);
-    else
-        run();
-    return 0;
+    set_camera();
+    return run(argc, argv);
 }

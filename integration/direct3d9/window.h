@@ -1,15 +1,26 @@
 /* SPDX-License-Identifier: MIT
  *
- * The window and the autofocus of both Direct3D samples. Include it after SHOTS, `parameters`, `camera`, `shot` and
- * `debug_view`, which it uses.
+ * The window, the autofocus and the check of errors of both Direct3D samples. Include it after capture.h, SHOTS,
+ * `parameters`, `camera`, `shot` and `debug_view`, which it uses.
  */
 #ifndef WINDOW_H
 #define WINDOW_H
 
-/* Each sample defines these two functions. aim_at() aims the autofocus at a pixel: it reads the depths of the last
- * frame at this pixel and around it. show_frame() draws a frame and shows it in the window. */
+/* Each sample defines these three functions. aim_at() aims the autofocus: it reads the depths of the last frame at a
+ * pixel and around it. show_frame() draws a frame in the window. capture() writes what the tests compare. */
 static void aim_at(int x, int y);
 static void show_frame(void);
+static void capture(const char *folder);
+
+/* Ends the program if a call fails. */
+#define CHECK(call) check((call), #call)
+static void check(HRESULT status, const char *call)
+{
+    if (FAILED(status)) {
+        fprintf(stderr, "%s returned %08lx\n", call, (unsigned long)status);
+        exit(1);
+    }
+}
 
 static HWND window;
 
@@ -24,11 +35,34 @@ static void focus_on_place(const float place[3])
         aimed[i] = parameters.FocusDistance;
 }
 
+/* Sets the camera and the lens, and focuses on the subject of the scene. */
+static void set_camera(void)
+{
+    camera = make_camera();
+    parameters.FocalLength = focal_length();
+    parameters.ApertureDiameter = parameters.FocalLength / F_STOP;
+    parameters.MaxCoC = MAX_COC;
+    focus_on_place(SUBJECT);
+}
+
 /* Moves the focus smoothly towards the nearest of the aimed depths. Call it in every frame, with the time since the
  * last frame in seconds. With INFINITY, the focus arrives at once. */
 static void pull_focus(float seconds)
 {
     parameters.FocusDistance = pulled_focus(parameters.FocusDistance, aimed, seconds, PULL_SECONDS);
+}
+
+/* Aims the autofocus at a pixel and pulls the focus for NUM_PULLED frames. Returns what the tests compare. */
+static CapturedPull pulled_to(int x, int y)
+{
+    CapturedPull pulled = {x, y, 1.0f / 30.0f, PULL_SECONDS, parameters.FocusDistance, {0}, {0}};
+    aim_at(x, y);
+    memcpy(pulled.depths, aimed, sizeof aimed);
+    for (int i = 0; i < NUM_PULLED; i++) {
+        pull_focus(pulled.frame);
+        pulled.distances[i] = parameters.FocusDistance;
+    }
+    return pulled;
 }
 
 static LRESULT CALLBACK on_message(HWND owner, UINT message, WPARAM w, LPARAM l)
@@ -65,11 +99,15 @@ static void make_window(const char *title)
     }
 }
 
-/* Draws frames until the window is closed. */
-static void run(void)
+/* Captures into the folder that was given as an argument. Without one, draws frames until the window is closed. */
+static int run(int argc, char **argv)
 {
     MSG message = {0};
     ULONGLONG last = GetTickCount64();
+    if (argc > 1) {
+        capture(argv[1]);
+        return 0;
+    }
     ShowWindow(window, SW_SHOW);
     while (message.message != WM_QUIT) {
         const ULONGLONG now = GetTickCount64();
@@ -79,6 +117,7 @@ static void run(void)
         while (message.message != WM_QUIT && PeekMessageA(&message, NULL, 0, 0, PM_REMOVE))
             DispatchMessageA(&message);
     }
+    return 0;
 }
 
 #endif

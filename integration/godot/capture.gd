@@ -336,6 +336,20 @@ func unblurred(_argument: Variant) -> Dictionary:
 	}
 
 
+# Returns whether the CoC map has the size of the image in a window that is stretched to three times its base size.
+func stretched(_argument: Variant) -> bool:
+	var window := get_tree().root
+	window.content_scale_size = window.size / 3
+	window.content_scale_mode = Window.CONTENT_SCALE_MODE_CANVAS_ITEMS
+	var sample := Sample.new()
+	add_child(sample)
+	await _drawn()
+	var same := Vector2i(sample.bokeh.textures.coc.get_size()) == window.get_texture().get_image().get_size()
+	sample.queue_free()
+	window.content_scale_mode = Window.CONTENT_SCALE_MODE_DISABLED
+	return same
+
+
 # Sends a drag and a click on the box, and a key, and then removes the node. Returns { points: how many there are after
 # the drag and after the click, focus, view, hidden: whether the viewport draws no 3D, drawn: whether it draws 3D again
 # afterwards, had, left: the number of the camera's children before and afterwards }.

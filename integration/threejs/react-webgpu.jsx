@@ -1,4 +1,4 @@
-// The sample for react-three-fiber with WebGPURenderer.
+// The sample for react-three-fiber with WebGPURenderer. Options may change, as in react.jsx.
 
 import { Canvas } from '@react-three/fiber';
 import { createRoot } from 'react-dom/client';
@@ -27,6 +27,5 @@ element.style = 'width: 640px; height: 480px';
 document.body.append(element);
 const root = createRoot(element);
 
-// The options of PolygonBokeh may change, like any property.
 export const show = (options) => root.render(<Sample {...options} />);
 show({});

@@ -89,7 +89,6 @@ ivec2 size=BOKEH_DEPTH_SIZE(tex);
 ivec2 texel=ivec2(clamp(coords,0.,1.)*vec2(size));
 return texelFetch(tex,min(texel,size-ivec2(1,1)),0).rg;}
 #endif
-void BokehSetViewport(vec4 viewport,vec2 textureSize){}
 vec2 BokehToTexture(vec2 uv){
 vec2 coords=uv;
 return coords;}
@@ -515,38 +514,6 @@ return result;}
 vec4 BokehDepthOfFieldFinal(sampler2D ColorSamp,BOKEH_DEPTH_TEXTURE DepthSamp,sampler2D CompareSamp,vec2 uv,vec2 lineEnd,BokehSamplingSettings settings,bool blurCoC,bool useMax){
 vec4 a=BokehDepthOfField(ColorSamp,DepthSamp,uv,lineEnd,settings,blurCoC);
 return BokehCombine(a,BokehFetch(CompareSamp,uv),useMax);}
-vec4 BokehNaiveGather(sampler2D ColorSamp,BOKEH_DEPTH_TEXTURE DepthSamp,sampler2D KernelSamp,vec2 uv,BokehSamplingSettings settings,bool blurCoC){
-vec4 centerPixel=BokehFetch(ColorSamp,uv);
-float centerDepth=BokehPaperDepth(DepthSamp,uv);
-vec2 scale=vec2(centerPixel.a/settings.aspectRatio,centerPixel.a);
-vec4 color=vec4(0.);
-float totalWeight=0.;
-for(int i=0;i<BOKEH_PAPER_SAMPLES;i++){
-vec2 offset=BokehFetchTexel(KernelSamp,vec2((float(i)+.5) /
-float(BOKEH_PAPER_SAMPLES),.5)).rg;
-vec2 sampleCoords=uv+offset*scale;
-vec4 samplePixel=BokehFetch(ColorSamp,sampleCoords);
-float sampleDepth=BokehFetchDepth(DepthSamp,BokehToTexture(sampleCoords)).x;
-float weight=BokehLeakageWeight(sampleDepth,samplePixel.a,centerDepth,centerPixel.a,settings);
-color+=samplePixel*weight;
-totalWeight+=weight;}
-return BokehResolve(color,totalWeight,centerPixel,blurCoC);}
-vec4 BokehNaiveGrid(sampler2D ColorSamp,BOKEH_DEPTH_TEXTURE DepthSamp,vec2 uv,vec2 lineEndU,vec2 lineEndV,BokehSamplingSettings settings,bool blurCoC){
-vec4 centerPixel=BokehFetch(ColorSamp,uv);
-float centerDepth=BokehPaperDepth(DepthSamp,uv);
-vec4 color=vec4(0.);
-float totalWeight=0.;
-for(int j=0;j<BOKEH_PAPER_SAMPLES;j++){
-vec2 rowOffset=BokehMakeOffsets(lineEndV,j,BOKEH_PAPER_SAMPLES);
-for(int i=0;i<BOKEH_PAPER_SAMPLES;i++){
-vec2 offset=rowOffset+BokehMakeOffsets(lineEndU,i,BOKEH_PAPER_SAMPLES);
-vec2 sampleCoords=uv+offset*centerPixel.a;
-vec4 samplePixel=BokehFetch(ColorSamp,sampleCoords);
-float sampleDepth=BokehFetchDepth(DepthSamp,BokehToTexture(sampleCoords)).x;
-float weight=BokehLeakageWeight(sampleDepth,samplePixel.a,centerDepth,centerPixel.a,settings);
-color+=samplePixel*weight;
-totalWeight+=weight;}}
-return BokehResolve(color,totalWeight,centerPixel,blurCoC);}
 `,
   bokeh_layers: `
 #ifndef BOKEH_VIEWPORT
@@ -1450,7 +1417,6 @@ fn BokehFetchDepth(tex:BokehDepthTexture,coords:vec2f)->vec2f{
 let size=vec2i(textureDimensions(tex));
 let texel=vec2i(saturate(coords)*vec2f(size));
 return vec4f(textureLoad(tex,min(texel,size-vec2i(1,1)),0)).rg;}
-fn BokehSetViewport(viewport:vec4f,textureSize:vec2f){}
 fn BokehToTexture(uv:vec2f)->vec2f{
 var coords=uv;
 return coords;}
@@ -1842,38 +1808,6 @@ return result;}
 fn BokehDepthOfFieldFinal(ColorSamp:texture_2d<f32>,DepthSamp:BokehDepthTexture,CompareSamp:texture_2d<f32>,uv:vec2f,lineEnd:vec2f,settings:BokehSamplingSettings,blurCoC:bool,useMax:bool,BokehLinearClamp:sampler)->vec4f{
 let a=BokehDepthOfField(ColorSamp,DepthSamp,uv,lineEnd,settings,blurCoC,BokehLinearClamp);
 return BokehCombine(a,BokehFetch(CompareSamp,uv,BokehLinearClamp),useMax);}
-fn BokehNaiveGather(ColorSamp:texture_2d<f32>,DepthSamp:BokehDepthTexture,KernelSamp:texture_2d<f32>,uv:vec2f,settings:BokehSamplingSettings,blurCoC:bool,BokehLinearClamp:sampler)->vec4f{
-let centerPixel=BokehFetch(ColorSamp,uv,BokehLinearClamp);
-let centerDepth=BokehPaperDepth(DepthSamp,uv);
-let scale=vec2f(centerPixel.a/settings.aspectRatio,centerPixel.a);
-var color=vec4f(0.);
-var totalWeight=0.;
-for(var i=0;i<BOKEH_PAPER_SAMPLES;i++){
-let offset=BokehFetchTexel(KernelSamp,vec2f((f32(i)+.5) /
-f32(BOKEH_PAPER_SAMPLES),.5)).rg;
-let sampleCoords=uv+offset*scale;
-let samplePixel=BokehFetch(ColorSamp,sampleCoords,BokehLinearClamp);
-let sampleDepth=BokehFetchDepth(DepthSamp,BokehToTexture(sampleCoords)).x;
-let weight=BokehLeakageWeight(sampleDepth,samplePixel.a,centerDepth,centerPixel.a,settings);
-color+=samplePixel*weight;
-totalWeight+=weight;}
-return BokehResolve(color,totalWeight,centerPixel,blurCoC);}
-fn BokehNaiveGrid(ColorSamp:texture_2d<f32>,DepthSamp:BokehDepthTexture,uv:vec2f,lineEndU:vec2f,lineEndV:vec2f,settings:BokehSamplingSettings,blurCoC:bool,BokehLinearClamp:sampler)->vec4f{
-let centerPixel=BokehFetch(ColorSamp,uv,BokehLinearClamp);
-let centerDepth=BokehPaperDepth(DepthSamp,uv);
-var color=vec4f(0.);
-var totalWeight=0.;
-for(var j=0;j<BOKEH_PAPER_SAMPLES;j++){
-let rowOffset=BokehMakeOffsets(lineEndV,j,BOKEH_PAPER_SAMPLES);
-for(var i=0;i<BOKEH_PAPER_SAMPLES;i++){
-let offset=rowOffset+BokehMakeOffsets(lineEndU,i,BOKEH_PAPER_SAMPLES);
-let sampleCoords=uv+offset*centerPixel.a;
-let samplePixel=BokehFetch(ColorSamp,sampleCoords,BokehLinearClamp);
-let sampleDepth=BokehFetchDepth(DepthSamp,BokehToTexture(sampleCoords)).x;
-let weight=BokehLeakageWeight(sampleDepth,samplePixel.a,centerDepth,centerPixel.a,settings);
-color+=samplePixel*weight;
-totalWeight+=weight;}}
-return BokehResolve(color,totalWeight,centerPixel,blurCoC);}
 `,
   bokeh_layers: `
 override BOKEH_LAYER_RINGS: i32 = 2;

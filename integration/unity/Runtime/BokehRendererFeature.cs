@@ -129,9 +129,13 @@ namespace PolygonalBokeh
             public override void RecordRenderGraph(RenderGraph graph, ContextContainer frameData)
             {
                 UniversalResourceData resources = frameData.Get<UniversalResourceData>();
+                // a camera that renders only depth, and the 2D renderer, have no colour or depth to read here
+                if (resources.isActiveTargetBackBuffer || !resources.cameraDepthTexture.IsValid())
+                {
+                    return;
+                }
                 TextureHandle color = resources.activeColorTexture;
                 description = graph.GetTextureDesc(color);
-                description.clearBuffer = false;
                 description.msaaSamples = MSAASamples.None;
                 description.filterMode = FilterMode.Bilinear;
                 description.wrapMode = TextureWrapMode.Clamp;
@@ -240,7 +244,9 @@ namespace PolygonalBokeh
                         // in the tables, the layers have half the image's size; with the preset MOBILE, they have a
                         // quarter
                         int scale = step.scale == 2 && values.material.IsKeywordEnabled("BOKEH_PRESET_MOBILE") ? 4 : step.scale;
-                        builder.SetRenderAttachment(Target(graph, step.writes[index], scale), index);
+                        // every pass writes all pixels; without WriteAll, the graph would clear a new target first
+                        builder.SetRenderAttachment(Target(graph, step.writes[index], scale), index,
+                            step.writes[index] == "result" ? AccessFlags.Write : AccessFlags.WriteAll);
                     }
                     builder.SetRenderFunc((PassData given, RasterGraphContext context) => Execute(given, context));
                 }

@@ -65,7 +65,7 @@ Shader "Hidden/BokehDepthOfField"
 
     #include "Packages/com.unity.render-pipelines.universal/ShaderLibrary/Core.hlsl"
 
-    #ifdef USE_TEXTURE2D_X_AS_ARRAY
+    #if defined(UNITY_STEREO_INSTANCING_ENABLED) || defined(UNITY_STEREO_MULTIVIEW_ENABLED)
     #error Bokeh cannot read the texture arrays of single-pass instanced rendering. Set the XR plug-in to multi-pass.
     #endif
 

@@ -51,17 +51,13 @@ fn main() -> Result<(), Box<dyn Error>> {
         let result = bokeh.render_observed(queue, &mut encoder, &targets, &lens, planes, &mut keep);
         queue.submit([encoder.finish()]);
         fs::write(folder.join(format!("{name}.f16")), images::bytes(device, queue, result))?;
-        let mut keys = vec![
-            format!(r#""name": "{name}", "result": "{name}.f16""#),
-            format!(r#""method": "{}", "aperture": "{}""#, word(method), word(polygon)),
-            format!(r#""preset": "{}""#, word(preset)),
-        ];
-        if clockwise != 0.0 {
-            keys.push(format!(r#""clockwise": {clockwise}"#));
-        }
         let bytes: Vec<u8> = written.iter().flat_map(|texture| images::bytes(device, queue, texture)).collect();
         fs::write(folder.join(format!("{name}.written")), bytes)?;
-        keys.push(format!(r#""written": "{name}.written""#));
+        let keys = [
+            format!(r#""name": "{name}", "result": "{name}.f16", "written": "{name}.written""#),
+            format!(r#""method": "{}", "aperture": "{}""#, word(method), word(polygon)),
+            format!(r#""preset": "{}", "clockwise": {clockwise}"#, word(preset)),
+        ];
         shots.push(format!("{{{}}}", keys.join(", ")));
     }
     let camera = [

@@ -9,8 +9,8 @@ from bokeh_validation import shaders
 TUNED = r"^(?:#define |const )(BOKEH_TUNED_\w+)(?:: f32 =)? ([\d.]+);?$"
 # A vector of equal numbers
 VECTOR = r"\b(vec(\d)f?)\(([\d.]+)((?:,\3)+)\)"
-# What options add that these packages do not have. Half precision: its constant, its types, and a function, which would
-# only return its argument. Own fetch functions: a name for the type of a texture.
+# What options and methods add that these packages do not have. Half precision: its constant, its types, and a function,
+# which would only return its argument. Own fetch functions: a name for the type of a texture. Viewports, and `naive`.
 OPTIONS = (
     (r"^#ifndef BOKEH_HALF_PRECISION\n.*\n#endif\n", ""),
     (r"^#if BOKEH_HALF_PRECISION > 0 && (?s:.*?)^#define BOKEH_TO_HALF4 vec4\n#endif\n", ""),
@@ -23,6 +23,8 @@ OPTIONS = (
     (r"\bBOKEH_TEXTURE\b", "sampler2D"),
     (r"^ +if \(BOKEH_VIEWPORT > 0\)\n +\{\n(?s:.*?)^ +\}\n", ""),
     (r"^(?:vec4|var<private>) BokehViewport.*\n", ""),
+    (r"^(?:void|fn) BokehSetViewport\((?s:.*?)^\}\n", ""),
+    (r"^(?:vec4|fn) BokehNaive\w+\((?s:.*?)^\}\n", ""),
 )
 
 

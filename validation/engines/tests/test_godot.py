@@ -34,6 +34,11 @@ def test_click_and_key(sample):
     assert said["left"] == said["had"] - 2
 
 
+def test_stretched_window(sample):
+    """Check that the passes have the size of the image in a window that Godot stretches to three times its base."""
+    assert sample.call("stretched", None) is True
+
+
 @pytest.fixture(scope="module")
 def scenes(sample):
     """Return colour, depth and CoC of the scene with each projection."""

@@ -1,5 +1,6 @@
 // Stand-ins for the classes of Unity 6 (6000.0) and URP 17 that integration/unity uses: signatures after the public
-// API, bodies that do nothing. Parameters that Unity takes by `in` are by value here, which makes no difference to a caller.
+// API, bodies that do nothing. Parameters that Unity takes by `in` are by value here, since mcs does not know `in`; that
+// makes no difference to a caller.
 
 using System;
 using UnityEngine.Experimental.Rendering;
@@ -299,7 +300,6 @@ namespace UnityEngine.Rendering.RenderGraphModule
         public FilterMode filterMode;
         public TextureWrapMode wrapMode;
         public MSAASamples msaaSamples;
-        public bool clearBuffer;
         public string name;
     }
 
@@ -327,6 +327,7 @@ namespace UnityEngine.Rendering.RenderGraphModule
     {
         public TextureDesc GetTextureDesc(TextureHandle texture) { return default(TextureDesc); }
         public TextureHandle CreateTexture(TextureDesc desc) { return default(TextureHandle); }
+        public TextureHandle CreateTexture(TextureHandle texture) { return default(TextureHandle); }
         public IRasterRenderGraphBuilder AddRasterRenderPass<PassData>(string passName, out PassData passData)
             where PassData : class, new()
         {
@@ -373,8 +374,9 @@ namespace UnityEngine.Rendering.Universal
 
     public class UniversalResourceData : ContextItem
     {
+        public bool isActiveTargetBackBuffer { get { return false; } }
         public TextureHandle activeColorTexture { get { return default(TextureHandle); } }
-        public TextureHandle cameraDepthTexture { get; set; }
+        public TextureHandle cameraDepthTexture { get { return default(TextureHandle); } }
     }
 
     public abstract class ScriptableRenderer

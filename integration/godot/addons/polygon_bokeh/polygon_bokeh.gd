@@ -137,7 +137,9 @@ func _process(delta: float) -> void:
 		_remove()
 		return
 	var host := get_viewport()
-	var size := Vector2i(host.get_texture().get_size())
+	# the size of a window's texture is wrong if Godot stretches the window
+	var stretched := host.get_visible_rect().size * host.get_stretch_transform().get_scale()
+	var size: Vector2i = host.size if host is SubViewport else Vector2i(stretched.round())
 	var wanted := [method, sides, preset, size, host.msaa_3d]
 	if _made != wanted:
 		_remove()

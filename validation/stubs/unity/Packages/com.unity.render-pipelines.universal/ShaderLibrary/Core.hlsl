@@ -42,7 +42,7 @@
 #define LOAD_TEXTURE2D(textureName, coord) textureName.Load(int3(coord, 0))
 
 #ifdef STUB_STEREO
-#define USE_TEXTURE2D_X_AS_ARRAY
+#define UNITY_STEREO_INSTANCING_ENABLED
 #define TEXTURE2D_X(textureName) TEXTURE2D_ARRAY(textureName)
 #define TEXTURE2D_X_FLOAT(textureName) TEXTURE2D_ARRAY(textureName)
 #define SAMPLE_TEXTURE2D_X_LOD(textureName, samplerName, coord, lod) textureName.SampleLevel(samplerName, \
