@@ -12,7 +12,6 @@ static void aim_at(int x, int y);
 static void show_frame(void);
 static void capture(const char *folder);
 
-/* Ends the program if a call fails. */
 #define CHECK(call) check((call), #call)
 static void check(HRESULT status, const char *call)
 {

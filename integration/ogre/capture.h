@@ -131,6 +131,7 @@ inline void capture(const std::string& folder, Ogre::Viewport* viewport,
         {
             const std::string color = bytesOf(bokeh->texture("color"));
             bokeh->setLens(viewport->getCamera(), 2.8f, 0.0f);
+            viewport->getTarget()->update(); // this frame may still show the blur
             viewport->getTarget()->update();
             if (bytesOf(tone->getTextureInstance("picture", 0)) != color)
             {
