@@ -131,11 +131,11 @@ inline void capture(const std::string& folder, Ogre::Viewport* viewport,
         {
             const std::string color = bytesOf(bokeh->texture("color"));
             bokeh->setLens(viewport->getCamera(), 2.8f, 0.0f);
-            viewport->getTarget()->update(); // this frame may still show the blur
-            viewport->getTarget()->update();
-            if (bytesOf(tone->getTextureInstance("picture", 0)) != color)
+            // the first frames may still show the blur
+            for (int frames = 0; bytesOf(tone->getTextureInstance("picture", 0)) != color; ++frames)
             {
-                throw std::runtime_error("a bokeh scale of 0 changes the image");
+                if (frames == 20) throw std::runtime_error("a bokeh scale of 0 changes the image");
+                viewport->getTarget()->update();
             }
         }
     }

@@ -70,7 +70,7 @@ def check_rotation(folder, capture, methods):
     """
     close = {shot.name: shot.comparison.close for shot in capture.shots}
     data = json.loads((folder / "capture.json").read_text(encoding="utf-8"))
-    rotated = [shot | {"clockwise": -shot["clockwise"]} for shot in data["shots"] if "clockwise" in shot]
+    rotated = [shot | {"clockwise": -shot["clockwise"]} for shot in data["shots"] if shot.get("clockwise")]
     (folder / "opposite.json").write_text(json.dumps(data | {"shots": rotated}), encoding="utf-8")
     for shot in engines.read(folder, "opposite.json").shots:
         assert shot.comparison.outside and shot.comparison.close < close[shot.name] - 0.1, shot.comparison

@@ -88,8 +88,7 @@ SOURCES = {
 # Formulas of the aperture for sources above that leave it to another file
 DIAMETERS = {
     "web/common.js": (r"  return (\(focalLength / .*?);", {"focalLength": "f", "fStop": "n", "bokehScale": "k"}),
-    "direct3d9/main.c": (r"parameters\.ApertureDiameter = (.*?);", {r"parameters\.FocalLength": "f", "F_STOP": "n"}),
-    "direct3d11/main.cpp": (r"parameters\.ApertureDiameter = (.*?);", {r"parameters\.FocalLength": "f", "F_STOP": "n"}),
+    "direct3d9/window.h": (r"parameters\.ApertureDiameter = (.*?);", {r"parameters\.FocalLength": "f", "F_STOP": "n"}),
     "opengl/sample.py": (r"BokehApertureDiameter=(.*?),", {"FOCAL_LENGTH": "f", r"1\.4": "n"}),
     "raylib/sample.py": (r"\"BokehApertureDiameter\": (.*?),", {r"10\.0": "k", "FOCAL_LENGTH": "f", r"2\.0$": "n"}),
     "reshade/Shaders/PolygonalBokeh.fx": (
