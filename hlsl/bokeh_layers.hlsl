@@ -978,26 +978,6 @@ BokehFilled BokehHoleFill(BOKEH_TEXTURE MidSamp, BOKEH_TEXTURE FarSamp,
 //   The parallelograms of [5], without weights and without a leakage test, because a layer holds
 //   nothing that must not spread. All four channels are blurred, so alpha becomes the coverage.
 
-// Layers: adds up the samples of a line
-//   The caller chooses between a layer and its quarter-size copy, because a renderer that runs on
-//   the CPU would fetch from both in a loop that does.
-//   first         position of the line's start, in texels of `grid`
-//   sampleStep    from one sample to the next
-//   samples       how many, with a fraction: the last sample has this fraction as its weight
-//   phase         position of the last sample within its step, 0.5: the middle
-float4 BokehLayerSamples(BOKEH_TEXTURE tex, float2 first, float2 sampleStep, float samples,
-    float phase, BokehGrid grid BOKEH_SAMPLER)
-{
-    float4 sum = float4(0.0, 0.0, 0.0, 0.0);
-    BOKEH_LOOP for (int i = 0; i < int(ceil(samples)); i++)
-    {
-        float part = clamp(samples - float(i), 0.0, 1.0);
-        float2 place = first + sampleStep * (float(i) + part * phase);
-        sum += part * BokehFetchGrid(tex, place, grid BOKEH_LINEAR);
-    }
-    return sum;
-}
-
 // Layers: averages the samples along edge k, and in the second pass multiplies the mean by the area
 //   of the edge's parallelograms
 //   tex           the layer, or a strip
@@ -1020,13 +1000,20 @@ float4 BokehLayerLine(BOKEH_TEXTURE tex, BOKEH_TEXTURE QuarterSamp, int k, Bokeh
         (float(BOKEH_LAYER_SCALE) / scale);
     float2 sampleStep = segment.zw * (2.0 * float(BOKEH_LAYER_SCALE) / (scale * samples));
     float4 sum = float4(0.0, 0.0, 0.0, 0.0);
-    if (blur.useQuarterLayer)
+    BOKEH_LOOP for (int i = 0; i < int(ceil(samples)); i++)
     {
-        sum = BokehLayerSamples(QuarterSamp, first, sampleStep, samples, phase, grid BOKEH_LINEAR);
-    }
-    else
-    {
-        sum = BokehLayerSamples(tex, first, sampleStep, samples, phase, grid BOKEH_LINEAR);
+        float part = clamp(samples - float(i), 0.0, 1.0);
+        float2 place = first + sampleStep * (float(i) + part * phase);
+        float4 texel = float4(0.0, 0.0, 0.0, 0.0);
+        if (blur.useQuarterLayer)
+        {
+            texel = BokehFetchGrid(QuarterSamp, place, grid BOKEH_LINEAR);
+        }
+        else
+        {
+            texel = BokehFetchGrid(tex, place, grid BOKEH_LINEAR);
+        }
+        sum += part * texel;
     }
     sum = sum / samples;
     if (secondPass)

@@ -936,26 +936,6 @@ fn BokehHoleFill(MidSamp: texture_2d<f32>, FarSamp: texture_2d<f32>,
 //   The parallelograms of [5], without weights and without a leakage test, because a layer holds
 //   nothing that must not spread. All four channels are blurred, so alpha becomes the coverage.
 
-// Layers: adds up the samples of a line
-//   The caller chooses between a layer and its quarter-size copy, because a renderer that runs on
-//   the CPU would fetch from both in a loop that does.
-//   first         position of the line's start, in texels of `grid`
-//   sampleStep    from one sample to the next
-//   samples       how many, with a fraction: the last sample has this fraction as its weight
-//   phase         position of the last sample within its step, 0.5: the middle
-fn BokehLayerSamples(tex: texture_2d<f32>, first: vec2f, sampleStep: vec2f, samples: f32,
-    phase: f32, grid: BokehGrid, BokehLinearClamp: sampler) -> vec4f
-{
-    var sum: vec4f = vec4f(0.0, 0.0, 0.0, 0.0);
-    for (var i: i32 = 0; i < i32(ceil(samples)); i++)
-    {
-        let part: f32 = clamp(samples - f32(i), 0.0, 1.0);
-        let place: vec2f = first + sampleStep * (f32(i) + part * phase);
-        sum += part * BokehFetchGrid(tex, place, grid, BokehLinearClamp);
-    }
-    return sum;
-}
-
 // Layers: averages the samples along edge k, and in the second pass multiplies the mean by the area
 //   of the edge's parallelograms
 //   tex           the layer, or a strip
@@ -979,14 +959,20 @@ fn BokehLayerLine(tex: texture_2d<f32>, QuarterSamp: texture_2d<f32>, k: i32, po
         (f32(BOKEH_LAYER_SCALE) / scale);
     let sampleStep: vec2f = segment.zw * (2.0 * f32(BOKEH_LAYER_SCALE) / (scale * samples));
     var sum: vec4f = vec4f(0.0, 0.0, 0.0, 0.0);
-    if (blur.useQuarterLayer)
+    for (var i: i32 = 0; i < i32(ceil(samples)); i++)
     {
-        sum = BokehLayerSamples(QuarterSamp, first, sampleStep, samples, phase,
-            grid, BokehLinearClamp);
-    }
-    else
-    {
-        sum = BokehLayerSamples(tex, first, sampleStep, samples, phase, grid, BokehLinearClamp);
+        let part: f32 = clamp(samples - f32(i), 0.0, 1.0);
+        let place: vec2f = first + sampleStep * (f32(i) + part * phase);
+        var texel: vec4f = vec4f(0.0, 0.0, 0.0, 0.0);
+        if (blur.useQuarterLayer)
+        {
+            texel = BokehFetchGrid(QuarterSamp, place, grid, BokehLinearClamp);
+        }
+        else
+        {
+            texel = BokehFetchGrid(tex, place, grid, BokehLinearClamp);
+        }
+        sum += part * texel;
     }
     sum = sum / samples;
     if (secondPass)

@@ -942,13 +942,6 @@ targets.midFill=vec4(midColor.rgb/midColor.a,midWeight);}
 if(farColor.a>.000001){
 targets.farFill=vec4(farColor.rgb/farColor.a,1.);}
 return targets;}
-vec4 BokehLayerSamples(sampler2D tex,vec2 first,vec2 sampleStep,float samples,float phase,BokehGrid grid){
-vec4 sum=vec4(0.);
-for(int i=0;i<int(ceil(samples));i++){
-float part=clamp(samples-float(i),0.,1.);
-vec2 place=first+sampleStep*(float(i)+part*phase);
-sum+=part*BokehFetchGrid(tex,place,grid);}
-return sum;}
 vec4 BokehLayerLine(sampler2D tex,sampler2D QuarterSamp,int k,BokehPolygon polygon,bool secondPass,BokehBlur blur,BokehLayerContext layers){
 float scale=float(BOKEH_LAYER_SCALE);
 if(blur.useQuarterLayer){
@@ -961,10 +954,15 @@ BokehGrid layerGrid=BokehLayerGrid(layers);
 vec2 first=(layers.uv*layerGrid.size+segment.xy-segment.zw)*(float(BOKEH_LAYER_SCALE)/scale);
 vec2 sampleStep=segment.zw*(2.*float(BOKEH_LAYER_SCALE)/(scale*samples));
 vec4 sum=vec4(0.);
+for(int i=0;i<int(ceil(samples));i++){
+float part=clamp(samples-float(i),0.,1.);
+vec2 place=first+sampleStep*(float(i)+part*phase);
+vec4 texel=vec4(0.);
 if(blur.useQuarterLayer){
-sum=BokehLayerSamples(QuarterSamp,first,sampleStep,samples,phase,grid);}
+texel=BokehFetchGrid(QuarterSamp,place,grid);}
 else{
-sum=BokehLayerSamples(tex,first,sampleStep,samples,phase,grid);}
+texel=BokehFetchGrid(tex,place,grid);}
+sum+=part*texel;}
 sum=sum/samples;
 if(secondPass){
 sum*=BokehEdgeArea(k,polygon);}
@@ -2160,13 +2158,6 @@ targets.midFill=vec4f(midColor.rgb/midColor.a,midWeight);}
 if(farColor.a>.000001){
 targets.farFill=vec4f(farColor.rgb/farColor.a,1.);}
 return targets;}
-fn BokehLayerSamples(tex:texture_2d<f32>,first:vec2f,sampleStep:vec2f,samples:f32,phase:f32,grid:BokehGrid,BokehLinearClamp:sampler)->vec4f{
-var sum=vec4f(0.);
-for(var i=0;i<i32(ceil(samples));i++){
-let part=clamp(samples-f32(i),0.,1.);
-let place=first+sampleStep*(f32(i)+part*phase);
-sum+=part*BokehFetchGrid(tex,place,grid,BokehLinearClamp);}
-return sum;}
 fn BokehLayerLine(tex:texture_2d<f32>,QuarterSamp:texture_2d<f32>,k:i32,polygon:BokehPolygon,secondPass:bool,blur:BokehBlur,layers:BokehLayerContext,BokehLinearClamp:sampler)->vec4f{
 var scale=f32(BOKEH_LAYER_SCALE);
 if(blur.useQuarterLayer){
@@ -2179,10 +2170,15 @@ let layerGrid=BokehLayerGrid(layers);
 let first=(layers.uv*layerGrid.size+segment.xy-segment.zw)*(f32(BOKEH_LAYER_SCALE)/scale);
 let sampleStep=segment.zw*(2.*f32(BOKEH_LAYER_SCALE)/(scale*samples));
 var sum=vec4f(0.);
+for(var i=0;i<i32(ceil(samples));i++){
+let part=clamp(samples-f32(i),0.,1.);
+let place=first+sampleStep*(f32(i)+part*phase);
+var texel=vec4f(0.);
 if(blur.useQuarterLayer){
-sum=BokehLayerSamples(QuarterSamp,first,sampleStep,samples,phase,grid,BokehLinearClamp);}
+texel=BokehFetchGrid(QuarterSamp,place,grid,BokehLinearClamp);}
 else{
-sum=BokehLayerSamples(tex,first,sampleStep,samples,phase,grid,BokehLinearClamp);}
+texel=BokehFetchGrid(tex,place,grid,BokehLinearClamp);}
+sum+=part*texel;}
 sum=sum/samples;
 if(secondPass){
 sum*=BokehEdgeArea(k,polygon);}

@@ -1484,18 +1484,6 @@ targets.farFill = vec4(farColor.rgb / farColor.a, 1.0);
 }
 return targets;
 }
-vec4 BokehLayerSamples(BOKEH_TEXTURE tex, vec2 first, vec2 sampleStep, float samples, float phase,
-BokehGrid grid)
-{
-vec4 sum = vec4(0.0, 0.0, 0.0, 0.0);
-for (int i = 0; i < int(ceil(samples)); i++)
-{
-float part = clamp(samples - float(i), 0.0, 1.0);
-vec2 place = first + sampleStep * (float(i) + part * phase);
-sum += part * BokehFetchGrid(tex, place, grid);
-}
-return sum;
-}
 vec4 BokehLayerLine(BOKEH_TEXTURE tex, BOKEH_TEXTURE QuarterSamp, int k, BokehPolygon polygon,
 bool secondPass, BokehBlur blur, BokehLayerContext layers)
 {
@@ -1513,13 +1501,20 @@ vec2 first = (layers.uv * layerGrid.size + segment.xy - segment.zw) *
 (float(BOKEH_LAYER_SCALE) / scale);
 vec2 sampleStep = segment.zw * (2.0 * float(BOKEH_LAYER_SCALE) / (scale * samples));
 vec4 sum = vec4(0.0, 0.0, 0.0, 0.0);
+for (int i = 0; i < int(ceil(samples)); i++)
+{
+float part = clamp(samples - float(i), 0.0, 1.0);
+vec2 place = first + sampleStep * (float(i) + part * phase);
+vec4 texel = vec4(0.0, 0.0, 0.0, 0.0);
 if (blur.useQuarterLayer)
 {
-sum = BokehLayerSamples(QuarterSamp, first, sampleStep, samples, phase, grid);
+texel = BokehFetchGrid(QuarterSamp, place, grid);
 }
 else
 {
-sum = BokehLayerSamples(tex, first, sampleStep, samples, phase, grid);
+texel = BokehFetchGrid(tex, place, grid);
+}
+sum += part * texel;
 }
 sum = sum / samples;
 if (secondPass)

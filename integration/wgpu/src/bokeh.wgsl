@@ -1391,18 +1391,6 @@ targets.farFill = vec4f(farColor.rgb / farColor.a, 1.0);
 }
 return targets;
 }
-fn BokehLayerSamples(tex: texture_2d<f32>, first: vec2f, sampleStep: vec2f, samples: f32,
-phase: f32, grid: BokehGrid, BokehLinearClamp: sampler) -> vec4f
-{
-var sum: vec4f = vec4f(0.0, 0.0, 0.0, 0.0);
-for (var i: i32 = 0; i < i32(ceil(samples)); i++)
-{
-let part: f32 = clamp(samples - f32(i), 0.0, 1.0);
-let place: vec2f = first + sampleStep * (f32(i) + part * phase);
-sum += part * BokehFetchGrid(tex, place, grid, BokehLinearClamp);
-}
-return sum;
-}
 fn BokehLayerLine(tex: texture_2d<f32>, QuarterSamp: texture_2d<f32>, k: i32, polygon: BokehPolygon,
 secondPass: bool, blur: BokehBlur, layers: BokehLayerContext,
 BokehLinearClamp: sampler) -> vec4f
@@ -1421,14 +1409,20 @@ let first: vec2f = (layers.uv * layerGrid.size + segment.xy - segment.zw) *
 (f32(BOKEH_LAYER_SCALE) / scale);
 let sampleStep: vec2f = segment.zw * (2.0 * f32(BOKEH_LAYER_SCALE) / (scale * samples));
 var sum: vec4f = vec4f(0.0, 0.0, 0.0, 0.0);
+for (var i: i32 = 0; i < i32(ceil(samples)); i++)
+{
+let part: f32 = clamp(samples - f32(i), 0.0, 1.0);
+let place: vec2f = first + sampleStep * (f32(i) + part * phase);
+var texel: vec4f = vec4f(0.0, 0.0, 0.0, 0.0);
 if (blur.useQuarterLayer)
 {
-sum = BokehLayerSamples(QuarterSamp, first, sampleStep, samples, phase,
-grid, BokehLinearClamp);
+texel = BokehFetchGrid(QuarterSamp, place, grid, BokehLinearClamp);
 }
 else
 {
-sum = BokehLayerSamples(tex, first, sampleStep, samples, phase, grid, BokehLinearClamp);
+texel = BokehFetchGrid(tex, place, grid, BokehLinearClamp);
+}
+sum += part * texel;
 }
 sum = sum / samples;
 if (secondPass)
