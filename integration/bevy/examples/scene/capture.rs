@@ -201,10 +201,11 @@ fn next_shot(
     };
     let (color, targets) = read_back(&latest.0["copies"], &bokeh, *size);
     write(format!("color-{}.f16", size.x), color);
-    if *method == BokehMethod::Paper {
-        write(format!("depth-{}.f32", size.x), &targets[..texels(*size, 1) * 4]);
+    let (metres, written) = targets.split_at(if *method == BokehMethod::Paper { texels(*size, 1) * 4 } else { 0 });
+    if !metres.is_empty() {
+        write(format!("depth-{}.f32", size.x), metres);
     }
-    write(format!("{name}.written"), targets);
+    write(format!("{name}.written"), written);
     write(format!("{name}.f16"), &targets[targets.len() - color.len()..]);
     save(&latest.0["picture"], folder.0.join("picture.png"));
 }
@@ -235,16 +236,15 @@ fn save(pixels: &[u8], path: PathBuf) {
 /// Returns the text of capture.json. validation/engines/capture.py describes the format.
 fn description(bokeh: &Bokeh, adapter: &RenderAdapterInfo) -> String {
     let shots = SHOTS.map(|(name, method, shape, preset, _, UVec2 { x, y })| {
-        let [method, shape, preset] = [format!("{method:?}"), format!("{shape:?}"), format!("{preset:?}")];
         // capture.json has no preset for paper: write the values of MEDIUM instead
-        let more = if method == "Paper" {
+        let more = if method == BokehMethod::Paper {
             r#""spacing": 1.5, "samples": 9"#.into()
         } else {
-            format!(r#""preset": "{preset}""#)
+            format!(r#""preset": "{preset:?}""#)
         };
         let more = if is_rotated(name) { format!(r#"{more}, "clockwise": {CLOCKWISE}"#) } else { more };
         format!(
-            r#"{{"name": "{name}", "method": "{method}", "aperture": "{shape}", {more}, "width": {x}, "height": {y},
+            r#"{{"name": "{name}", "method": "{method:?}", "aperture": "{shape:?}", {more}, "width": {x}, "height": {y},
 "color": "color-{x}.f16", "depth": "depth-{x}.f32", "result": "{name}.f16", "written": "{name}.written"}}"#
         )
         .to_lowercase()
