@@ -968,17 +968,12 @@ BokehFilled BokehHoleFill(BOKEH_TEXTURE MidSamp, BOKEH_TEXTURE FarSamp,
 
 // Layers: averages the samples along edge k, and in the second pass multiplies the mean by the area
 //   of the edge's parallelograms
-//   tex           the layer, or a strip
-//   QuarterSamp   the layer at quarter size, read if useQuarterLayer of blur is true
+//   tex           a layer, a quarter layer or a strip
+//   scale         divides the size of the image to get the size of tex
 //   blur          from BokehLayerBlur
-vec4 BokehLayerLine(BOKEH_TEXTURE tex, BOKEH_TEXTURE QuarterSamp, int k, BokehPolygon polygon,
-    bool secondPass, BokehBlur blur, BokehLayerContext layers)
+vec4 BokehLayerLine(BOKEH_TEXTURE tex, float scale, int k, BokehPolygon polygon, bool secondPass,
+    BokehBlur blur, BokehLayerContext layers)
 {
-    float scale = float(BOKEH_LAYER_SCALE);
-    if (blur.useQuarterLayer)
-    {
-        scale = 4.0;
-    }
     BokehGrid grid = BokehReducedGrid(layers, scale);
     vec4 segment = BokehEdgeLine(k, polygon, secondPass) * blur.CoC;
     float samples = max(2.0 * length(segment.zw) / blur.spacing, 2.0);
@@ -992,16 +987,7 @@ vec4 BokehLayerLine(BOKEH_TEXTURE tex, BOKEH_TEXTURE QuarterSamp, int k, BokehPo
     {
         float part = clamp(samples - float(i), 0.0, 1.0);
         vec2 place = first + sampleStep * (float(i) + part * phase);
-        vec4 texel = vec4(0.0, 0.0, 0.0, 0.0);
-        if (blur.useQuarterLayer)
-        {
-            texel = BokehFetchGrid(QuarterSamp, place, grid);
-        }
-        else
-        {
-            texel = BokehFetchGrid(tex, place, grid);
-        }
-        sum += part * texel;
+        sum += part * BokehFetchGrid(tex, place, grid);
     }
     sum = sum / samples;
     if (secondPass)
@@ -1019,6 +1005,38 @@ vec4 BokehLayerTarget(int k, BokehPolygon polygon, vec4 L1, vec4 L2, vec4 L3, ve
     return (L1 * w.x + L2 * w.y + L3 * w.z + L4 * w.w) / (w.x + w.y + w.z + w.w);
 }
 
+// Layers: blurs a layer along the edges, first pass
+//   tex           the layer, or the layer at quarter size
+//   scale, blur   as for BokehLayerLine
+//   last          as in BokehExactFirst
+BokehTargets BokehLayerStrips(BOKEH_TEXTURE tex, float scale, int last, BokehPolygon polygon,
+    BokehBlur blur, BokehLayerContext layers)
+{
+    vec4 zero = vec4(0.0, 0.0, 0.0, 0.0);
+    vec4 L2 = zero;
+    vec4 L3 = zero;
+    vec4 L4 = zero;
+    vec4 L1 = BokehLayerLine(tex, scale, 1, polygon, false, blur, layers);
+    if (last > 2)
+    {
+        L2 = BokehLayerLine(tex, scale, 2, polygon, false, blur, layers);
+    }
+    if (last > 3)
+    {
+        L3 = BokehLayerLine(tex, scale, 3, polygon, false, blur, layers);
+    }
+    if (last > 4)
+    {
+        L4 = BokehLayerLine(tex, scale, 4, polygon, false, blur, layers);
+    }
+    BokehTargets targets;
+    targets.strip2 = L1;
+    targets.strip3 = BokehLayerTarget(3, polygon, L1, L2, zero, zero);
+    targets.strip4 = BokehLayerTarget(4, polygon, L1, L2, L3, zero);
+    targets.strip5 = BokehLayerTarget(5, polygon, L1, L2, L3, L4);
+    return targets;
+}
+
 // Layers: blurs a layer, first pass
 //   Reads a layer and layerCoC, and writes its strips, as the first pass of `exact` does but
 //   without weights. A wide blur reads the smooth copy at quarter size, so that polygons stay flat.
@@ -1030,37 +1048,24 @@ vec4 BokehLayerTarget(int k, BokehPolygon polygon, vec4 L1, vec4 L2, vec4 L3, ve
 BokehTargets BokehLayerFirst(BOKEH_TEXTURE LayerSamp, BOKEH_TEXTURE QuarterSamp, vec2 layerCoC,
     bool isFar, int last, BokehPolygon polygon, BokehLayerContext layers)
 {
-    BokehGrid grid = BokehLayerGrid(layers);
-    vec2 center = layers.uv * grid.size;
-    vec4 zero = vec4(0.0, 0.0, 0.0, 0.0);
     BokehTargets targets;
     BokehBlur blur = BokehLayerBlur(layerCoC, isFar, polygon);
     if (blur.CoC > 0.51)
     {
-        vec4 L2 = zero;
-        vec4 L3 = zero;
-        vec4 L4 = zero;
-        vec4 L1 = BokehLayerLine(LayerSamp, QuarterSamp, 1, polygon, false, blur, layers);
-        if (last > 2)
+        if (blur.useQuarterLayer)
         {
-            L2 = BokehLayerLine(LayerSamp, QuarterSamp, 2, polygon, false, blur, layers);
+            targets = BokehLayerStrips(QuarterSamp, 4.0, last, polygon, blur, layers);
         }
-        if (last > 3)
+        else
         {
-            L3 = BokehLayerLine(LayerSamp, QuarterSamp, 3, polygon, false, blur, layers);
+            targets = BokehLayerStrips(LayerSamp, float(BOKEH_LAYER_SCALE), last, polygon,
+                blur, layers);
         }
-        if (last > 4)
-        {
-            L4 = BokehLayerLine(LayerSamp, QuarterSamp, 4, polygon, false, blur, layers);
-        }
-        targets.strip2 = L1;
-        targets.strip3 = BokehLayerTarget(3, polygon, L1, L2, zero, zero);
-        targets.strip4 = BokehLayerTarget(4, polygon, L1, L2, L3, zero);
-        targets.strip5 = BokehLayerTarget(5, polygon, L1, L2, L3, L4);
     }
     else
     {
-        targets.strip2 = BokehFetchGrid(LayerSamp, center, grid);
+        BokehGrid grid = BokehLayerGrid(layers);
+        targets.strip2 = BokehFetchGrid(LayerSamp, layers.uv * grid.size, grid);
         targets.strip3 = targets.strip2;
         targets.strip4 = targets.strip2;
         targets.strip5 = targets.strip2;
@@ -1081,21 +1086,21 @@ vec4 BokehLayerSecond(BOKEH_TEXTURE Strip2Samp, BOKEH_TEXTURE Strip3Samp, BOKEH_
     vec2 center = layers.uv * grid.size;
     vec4 result = vec4(0.0, 0.0, 0.0, 0.0);
     BokehBlur blur = BokehLayerBlur(layerCoC, isFar, polygon);
-    blur.useQuarterLayer = false;
+    float scale = float(BOKEH_LAYER_SCALE);
     if (blur.CoC > 0.51)
     {
-        result = BokehLayerLine(Strip2Samp, Strip2Samp, 2, polygon, true, blur, layers);
+        result = BokehLayerLine(Strip2Samp, scale, 2, polygon, true, blur, layers);
         if (polygon.sides > 4)
         {
-            result += BokehLayerLine(Strip3Samp, Strip3Samp, 3, polygon, true, blur, layers);
+            result += BokehLayerLine(Strip3Samp, scale, 3, polygon, true, blur, layers);
         }
         if (polygon.sides > 6)
         {
-            result += BokehLayerLine(Strip4Samp, Strip4Samp, 4, polygon, true, blur, layers);
+            result += BokehLayerLine(Strip4Samp, scale, 4, polygon, true, blur, layers);
         }
         if (polygon.sides > 8)
         {
-            result += BokehLayerLine(Strip5Samp, Strip5Samp, 5, polygon, true, blur, layers);
+            result += BokehLayerLine(Strip5Samp, scale, 5, polygon, true, blur, layers);
         }
         result = result / polygon.area;
     }

@@ -59,38 +59,62 @@ BokehPolygon BokehWithRoundness(BokehPolygon polygon, float roundness)
     return result;
 }
 
-// Lens: returns the distance of edge k from the centre of a polygon, in units of the CoC
-//   along         cut as a vector: the fraction of that distance by which the edge moves inwards
-float BokehHalfWidth(int k, BokehPolygon polygon, vec2 along)
+// Lens: computes how far each edge of a polygon is from the centre
+//   along         cut as a vector: the fraction of that distance by which an edge moves inwards
+//   returns       a polygon whose lengths are these distances, in units of the CoC
+BokehPolygon BokehHalfWidths(BokehPolygon polygon, vec2 along)
 {
-    float width = 0.0;
+    float angle = 6.28318531 / float(polygon.sides);
+    vec4 k = vec4(1.0, 2.0, 3.0, 4.0);
+    BokehPolygon widths = polygon;
+    widths.lengths = vec4(0.0, 0.0, 0.0, 0.0);
+    widths.fifth = 0.0;
     for (int i = 1; i <= polygon.sides / 2; i++)
     {
-        width += abs(BokehTurn(float(i - k), polygon).y) * BokehEdgeLength(i, polygon);
+        float halfEdge = 0.5 * BokehEdgeLength(i, polygon);
+        widths.lengths += halfEdge * abs(sin(angle * (float(i) - k)));
+        widths.fifth += halfEdge * abs(sin(angle * (float(i) - 5.0)));
     }
-    return 0.5 * width * (1.0 - abs(dot(along, BokehTurn(float(k), polygon))));
+    widths.lengths *= 1.0 - abs(along.x * cos(angle * k) + along.y * sin(angle * k));
+    widths.fifth *= 1.0 - abs(along.x * cos(angle * 5.0) + along.y * sin(angle * 5.0));
+    return widths;
 }
 
-// Lens: returns the length of edge k between the lines of all other edges, in units of the CoC
+// Lens: returns the lengths of the edges first .. first + 3
+vec4 BokehFourLengths(int first, BokehPolygon polygon)
+{
+    return vec4(BokehEdgeLength(first, polygon), BokehEdgeLength(first + 1, polygon),
+        BokehEdgeLength(first + 2, polygon), BokehEdgeLength(first + 3, polygon));
+}
+
+// Lens: computes the length of each edge between the lines of all other edges
 //
 //      before after
-//      ,---+---,   Edge k lies on a line half a width away from the centre. On each side it ends
+//      ,---+---,   An edge lies on a line half a width away from the centre. On each side it ends
 //     /    |    '  where the nearest of the other lines crosses it.
 //
-//   widths        a polygon whose lengths are the half widths of the edges
-//   returns       at least 0.001, so that no weights add up to 0
-float BokehCutLength(int k, BokehPolygon widths)
+//   widths        from BokehHalfWidths
+//   returns       a polygon with these lengths, in units of the CoC: at least 0.001, so that no
+//                 weights add up to 0
+BokehPolygon BokehCutLengths(BokehPolygon widths)
 {
-    float halfWidth = BokehEdgeLength(k, widths);
     int edges = widths.sides / 2;
-    vec2 ends = vec2(1.0, 1.0);
+    vec4 before = vec4(1.0, 1.0, 1.0, 1.0);
+    vec4 after = vec4(1.0, 1.0, 1.0, 1.0);
+    vec2 fifth = vec2(1.0, 1.0);
     for (int i = 1; i < edges; i++)
     {
         vec2 turn = BokehTurn(float(i), widths);
-        vec2 others = vec2(BokehEdgeLength(k - i + edges, widths), BokehEdgeLength(k + i, widths));
-        ends = min(ends, (others - halfWidth * turn.x) / turn.y);
+        before = min(before, (BokehFourLengths(1 - i + edges, widths) - widths.lengths * turn.x) /
+            turn.y);
+        after = min(after, (BokehFourLengths(1 + i, widths) - widths.lengths * turn.x) / turn.y);
+        vec2 others = vec2(BokehEdgeLength(5 - i + edges, widths), BokehEdgeLength(5 + i, widths));
+        fifth = min(fifth, (others - widths.fifth * turn.x) / turn.y);
     }
-    return max(ends.x + ends.y, 0.001);
+    BokehPolygon cut = widths;
+    cut.lengths = max(before + after, vec4(0.001, 0.001, 0.001, 0.001));
+    cut.fifth = max(fifth.x + fifth.y, 0.001);
+    return cut;
 }
 
 // Lens: cuts a polygon as the lens barrel does, more towards the corners of the image
@@ -109,15 +133,7 @@ BokehPolygon BokehWithCatsEye(BokehPolygon polygon, vec2 uv, vec2 imageSize, flo
     // an edge of the minimum length stands for no edge
     uncut.lengths *= clamp((polygon.lengths - 0.001) * 100000.0, vec4(0.0, 0.0, 0.0, 0.0), vec4(1.0,
         1.0, 1.0, 1.0));
-    BokehPolygon widths = polygon;
-    widths.lengths = vec4(BokehHalfWidth(1, uncut, along), BokehHalfWidth(2, uncut, along),
-        BokehHalfWidth(3, uncut, along), BokehHalfWidth(4, uncut, along));
-    widths.fifth = BokehHalfWidth(5, uncut, along);
-    BokehPolygon result = polygon;
-    result.lengths = vec4(BokehCutLength(1, widths), BokehCutLength(2, widths), BokehCutLength(3,
-        widths), BokehCutLength(4, widths));
-    result.fifth = BokehCutLength(5, widths);
-    return BokehUpdatePolygon(result);
+    return BokehUpdatePolygon(BokehCutLengths(BokehHalfWidths(uncut, along)));
 }
 
 // -------------------------------------------------------------------------------------------------

@@ -980,17 +980,12 @@ BokehFilled BokehHoleFill(BOKEH_TEXTURE MidSamp, BOKEH_TEXTURE FarSamp,
 
 // Layers: averages the samples along edge k, and in the second pass multiplies the mean by the area
 //   of the edge's parallelograms
-//   tex           the layer, or a strip
-//   QuarterSamp   the layer at quarter size, read if useQuarterLayer of blur is true
+//   tex           a layer, a quarter layer or a strip
+//   scale         divides the size of the image to get the size of tex
 //   blur          from BokehLayerBlur
-float4 BokehLayerLine(BOKEH_TEXTURE tex, BOKEH_TEXTURE QuarterSamp, int k, BokehPolygon polygon,
+float4 BokehLayerLine(BOKEH_TEXTURE tex, float scale, int k, BokehPolygon polygon,
     bool secondPass, BokehBlur blur, BokehLayerContext layers BOKEH_SAMPLER)
 {
-    float scale = float(BOKEH_LAYER_SCALE);
-    if (blur.useQuarterLayer)
-    {
-        scale = 4.0;
-    }
     BokehGrid grid = BokehReducedGrid(layers, scale);
     float4 segment = BokehEdgeLine(k, polygon, secondPass) * blur.CoC;
     float samples = max(2.0 * length(segment.zw) / blur.spacing, 2.0);
@@ -1004,16 +999,7 @@ float4 BokehLayerLine(BOKEH_TEXTURE tex, BOKEH_TEXTURE QuarterSamp, int k, Bokeh
     {
         float part = clamp(samples - float(i), 0.0, 1.0);
         float2 place = first + sampleStep * (float(i) + part * phase);
-        float4 texel = float4(0.0, 0.0, 0.0, 0.0);
-        if (blur.useQuarterLayer)
-        {
-            texel = BokehFetchGrid(QuarterSamp, place, grid BOKEH_LINEAR);
-        }
-        else
-        {
-            texel = BokehFetchGrid(tex, place, grid BOKEH_LINEAR);
-        }
-        sum += part * texel;
+        sum += part * BokehFetchGrid(tex, place, grid BOKEH_LINEAR);
     }
     sum = sum / samples;
     if (secondPass)
@@ -1031,6 +1017,38 @@ float4 BokehLayerTarget(int k, BokehPolygon polygon, float4 L1, float4 L2, float
     return (L1 * w.x + L2 * w.y + L3 * w.z + L4 * w.w) / (w.x + w.y + w.z + w.w);
 }
 
+// Layers: blurs a layer along the edges, first pass
+//   tex           the layer, or the layer at quarter size
+//   scale, blur   as for BokehLayerLine
+//   last          as in BokehExactFirst
+BokehTargets BokehLayerStrips(BOKEH_TEXTURE tex, float scale, int last, BokehPolygon polygon,
+    BokehBlur blur, BokehLayerContext layers BOKEH_SAMPLER)
+{
+    float4 zero = float4(0.0, 0.0, 0.0, 0.0);
+    float4 L2 = zero;
+    float4 L3 = zero;
+    float4 L4 = zero;
+    float4 L1 = BokehLayerLine(tex, scale, 1, polygon, false, blur, layers BOKEH_LINEAR);
+    if (last > 2)
+    {
+        L2 = BokehLayerLine(tex, scale, 2, polygon, false, blur, layers BOKEH_LINEAR);
+    }
+    if (last > 3)
+    {
+        L3 = BokehLayerLine(tex, scale, 3, polygon, false, blur, layers BOKEH_LINEAR);
+    }
+    if (last > 4)
+    {
+        L4 = BokehLayerLine(tex, scale, 4, polygon, false, blur, layers BOKEH_LINEAR);
+    }
+    BokehTargets targets;
+    targets.strip2 = L1;
+    targets.strip3 = BokehLayerTarget(3, polygon, L1, L2, zero, zero);
+    targets.strip4 = BokehLayerTarget(4, polygon, L1, L2, L3, zero);
+    targets.strip5 = BokehLayerTarget(5, polygon, L1, L2, L3, L4);
+    return targets;
+}
+
 // Layers: blurs a layer, first pass
 //   Reads a layer and layerCoC, and writes its strips, as the first pass of `exact` does but
 //   without weights. A wide blur reads the smooth copy at quarter size, so that polygons stay flat.
@@ -1042,41 +1060,24 @@ float4 BokehLayerTarget(int k, BokehPolygon polygon, float4 L1, float4 L2, float
 BokehTargets BokehLayerFirst(BOKEH_TEXTURE LayerSamp, BOKEH_TEXTURE QuarterSamp, float2 layerCoC,
     bool isFar, int last, BokehPolygon polygon, BokehLayerContext layers BOKEH_SAMPLER)
 {
-    BokehGrid grid = BokehLayerGrid(layers);
-    float2 center = layers.uv * grid.size;
-    float4 zero = float4(0.0, 0.0, 0.0, 0.0);
     BokehTargets targets;
     BokehBlur blur = BokehLayerBlur(layerCoC, isFar, polygon);
     if (blur.CoC > 0.51)
     {
-        float4 L2 = zero;
-        float4 L3 = zero;
-        float4 L4 = zero;
-        float4 L1 = BokehLayerLine(LayerSamp, QuarterSamp, 1, polygon, false, blur,
-            layers BOKEH_LINEAR);
-        if (last > 2)
+        if (blur.useQuarterLayer)
         {
-            L2 = BokehLayerLine(LayerSamp, QuarterSamp, 2, polygon, false, blur,
-                layers BOKEH_LINEAR);
+            targets = BokehLayerStrips(QuarterSamp, 4.0, last, polygon, blur, layers BOKEH_LINEAR);
         }
-        if (last > 3)
+        else
         {
-            L3 = BokehLayerLine(LayerSamp, QuarterSamp, 3, polygon, false, blur,
-                layers BOKEH_LINEAR);
+            targets = BokehLayerStrips(LayerSamp, float(BOKEH_LAYER_SCALE), last, polygon,
+                blur, layers BOKEH_LINEAR);
         }
-        if (last > 4)
-        {
-            L4 = BokehLayerLine(LayerSamp, QuarterSamp, 4, polygon, false, blur,
-                layers BOKEH_LINEAR);
-        }
-        targets.strip2 = L1;
-        targets.strip3 = BokehLayerTarget(3, polygon, L1, L2, zero, zero);
-        targets.strip4 = BokehLayerTarget(4, polygon, L1, L2, L3, zero);
-        targets.strip5 = BokehLayerTarget(5, polygon, L1, L2, L3, L4);
     }
     else
     {
-        targets.strip2 = BokehFetchGrid(LayerSamp, center, grid BOKEH_LINEAR);
+        BokehGrid grid = BokehLayerGrid(layers);
+        targets.strip2 = BokehFetchGrid(LayerSamp, layers.uv * grid.size, grid BOKEH_LINEAR);
         targets.strip3 = targets.strip2;
         targets.strip4 = targets.strip2;
         targets.strip5 = targets.strip2;
@@ -1097,24 +1098,23 @@ float4 BokehLayerSecond(BOKEH_TEXTURE Strip2Samp, BOKEH_TEXTURE Strip3Samp,
     float2 center = layers.uv * grid.size;
     float4 result = float4(0.0, 0.0, 0.0, 0.0);
     BokehBlur blur = BokehLayerBlur(layerCoC, isFar, polygon);
-    blur.useQuarterLayer = false;
+    float scale = float(BOKEH_LAYER_SCALE);
     if (blur.CoC > 0.51)
     {
-        result = BokehLayerLine(Strip2Samp, Strip2Samp, 2, polygon, true, blur,
-            layers BOKEH_LINEAR);
+        result = BokehLayerLine(Strip2Samp, scale, 2, polygon, true, blur, layers BOKEH_LINEAR);
         if (polygon.sides > 4)
         {
-            result += BokehLayerLine(Strip3Samp, Strip3Samp, 3, polygon, true, blur,
+            result += BokehLayerLine(Strip3Samp, scale, 3, polygon, true, blur,
                 layers BOKEH_LINEAR);
         }
         if (polygon.sides > 6)
         {
-            result += BokehLayerLine(Strip4Samp, Strip4Samp, 4, polygon, true, blur,
+            result += BokehLayerLine(Strip4Samp, scale, 4, polygon, true, blur,
                 layers BOKEH_LINEAR);
         }
         if (polygon.sides > 8)
         {
-            result += BokehLayerLine(Strip5Samp, Strip5Samp, 5, polygon, true, blur,
+            result += BokehLayerLine(Strip5Samp, scale, 5, polygon, true, blur,
                 layers BOKEH_LINEAR);
         }
         result = result / polygon.area;

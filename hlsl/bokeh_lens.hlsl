@@ -59,39 +59,63 @@ BokehPolygon BokehWithRoundness(BokehPolygon polygon, float roundness)
     return result;
 }
 
-// Lens: returns the distance of edge k from the centre of a polygon, in units of the CoC
-//   along         cut as a vector: the fraction of that distance by which the edge moves inwards
-float BokehHalfWidth(int k, BokehPolygon polygon, float2 along)
+// Lens: computes how far each edge of a polygon is from the centre
+//   along         cut as a vector: the fraction of that distance by which an edge moves inwards
+//   returns       a polygon whose lengths are these distances, in units of the CoC
+BokehPolygon BokehHalfWidths(BokehPolygon polygon, float2 along)
 {
-    float width = 0.0;
+    float angle = 6.28318531 / float(polygon.sides);
+    float4 k = float4(1.0, 2.0, 3.0, 4.0);
+    BokehPolygon widths = polygon;
+    widths.lengths = float4(0.0, 0.0, 0.0, 0.0);
+    widths.fifth = 0.0;
     BOKEH_LOOP for (int i = 1; i <= polygon.sides / 2; i++)
     {
-        width += abs(BokehTurn(float(i - k), polygon).y) * BokehEdgeLength(i, polygon);
+        float halfEdge = 0.5 * BokehEdgeLength(i, polygon);
+        widths.lengths += halfEdge * abs(sin(angle * (float(i) - k)));
+        widths.fifth += halfEdge * abs(sin(angle * (float(i) - 5.0)));
     }
-    return 0.5 * width * (1.0 - abs(dot(along, BokehTurn(float(k), polygon))));
+    widths.lengths *= 1.0 - abs(along.x * cos(angle * k) + along.y * sin(angle * k));
+    widths.fifth *= 1.0 - abs(along.x * cos(angle * 5.0) + along.y * sin(angle * 5.0));
+    return widths;
 }
 
-// Lens: returns the length of edge k between the lines of all other edges, in units of the CoC
+// Lens: returns the lengths of the edges first .. first + 3
+float4 BokehFourLengths(int first, BokehPolygon polygon)
+{
+    return float4(BokehEdgeLength(first, polygon), BokehEdgeLength(first + 1, polygon),
+        BokehEdgeLength(first + 2, polygon), BokehEdgeLength(first + 3, polygon));
+}
+
+// Lens: computes the length of each edge between the lines of all other edges
 //
 //      before after
-//      ,---+---,   Edge k lies on a line half a width away from the centre. On each side it ends
+//      ,---+---,   An edge lies on a line half a width away from the centre. On each side it ends
 //     /    |    '  where the nearest of the other lines crosses it.
 //
-//   widths        a polygon whose lengths are the half widths of the edges
-//   returns       at least 0.001, so that no weights add up to 0
-float BokehCutLength(int k, BokehPolygon widths)
+//   widths        from BokehHalfWidths
+//   returns       a polygon with these lengths, in units of the CoC: at least 0.001, so that no
+//                 weights add up to 0
+BokehPolygon BokehCutLengths(BokehPolygon widths)
 {
-    float halfWidth = BokehEdgeLength(k, widths);
     int edges = widths.sides / 2;
-    float2 ends = float2(1.0, 1.0);
+    float4 before = float4(1.0, 1.0, 1.0, 1.0);
+    float4 after = float4(1.0, 1.0, 1.0, 1.0);
+    float2 fifth = float2(1.0, 1.0);
     BOKEH_LOOP for (int i = 1; i < edges; i++)
     {
         float2 turn = BokehTurn(float(i), widths);
-        float2 others = float2(BokehEdgeLength(k - i + edges, widths), BokehEdgeLength(k + i,
+        before = min(before, (BokehFourLengths(1 - i + edges, widths) - widths.lengths * turn.x) /
+            turn.y);
+        after = min(after, (BokehFourLengths(1 + i, widths) - widths.lengths * turn.x) / turn.y);
+        float2 others = float2(BokehEdgeLength(5 - i + edges, widths), BokehEdgeLength(5 + i,
             widths));
-        ends = min(ends, (others - halfWidth * turn.x) / turn.y);
+        fifth = min(fifth, (others - widths.fifth * turn.x) / turn.y);
     }
-    return max(ends.x + ends.y, 0.001);
+    BokehPolygon cut = widths;
+    cut.lengths = max(before + after, float4(0.001, 0.001, 0.001, 0.001));
+    cut.fifth = max(fifth.x + fifth.y, 0.001);
+    return cut;
 }
 
 // Lens: cuts a polygon as the lens barrel does, more towards the corners of the image
@@ -110,15 +134,7 @@ BokehPolygon BokehWithCatsEye(BokehPolygon polygon, float2 uv, float2 imageSize,
     // an edge of the minimum length stands for no edge
     uncut.lengths *= clamp((polygon.lengths - 0.001) * 100000.0, float4(0.0, 0.0, 0.0, 0.0),
         float4(1.0, 1.0, 1.0, 1.0));
-    BokehPolygon widths = polygon;
-    widths.lengths = float4(BokehHalfWidth(1, uncut, along), BokehHalfWidth(2, uncut, along),
-        BokehHalfWidth(3, uncut, along), BokehHalfWidth(4, uncut, along));
-    widths.fifth = BokehHalfWidth(5, uncut, along);
-    BokehPolygon result = polygon;
-    result.lengths = float4(BokehCutLength(1, widths), BokehCutLength(2, widths), BokehCutLength(3,
-        widths), BokehCutLength(4, widths));
-    result.fifth = BokehCutLength(5, widths);
-    return BokehUpdatePolygon(result);
+    return BokehUpdatePolygon(BokehCutLengths(BokehHalfWidths(uncut, along)));
 }
 
 // -------------------------------------------------------------------------------------------------

@@ -938,18 +938,13 @@ fn BokehHoleFill(MidSamp: texture_2d<f32>, FarSamp: texture_2d<f32>,
 
 // Layers: averages the samples along edge k, and in the second pass multiplies the mean by the area
 //   of the edge's parallelograms
-//   tex           the layer, or a strip
-//   QuarterSamp   the layer at quarter size, read if useQuarterLayer of blur is true
+//   tex           a layer, a quarter layer or a strip
+//   scale         divides the size of the image to get the size of tex
 //   blur          from BokehLayerBlur
-fn BokehLayerLine(tex: texture_2d<f32>, QuarterSamp: texture_2d<f32>, k: i32, polygon: BokehPolygon,
+fn BokehLayerLine(tex: texture_2d<f32>, scale: f32, k: i32, polygon: BokehPolygon,
     secondPass: bool, blur: BokehBlur, layers: BokehLayerContext,
-        BokehLinearClamp: sampler) -> vec4f
+    BokehLinearClamp: sampler) -> vec4f
 {
-    var scale: f32 = f32(BOKEH_LAYER_SCALE);
-    if (blur.useQuarterLayer)
-    {
-        scale = 4.0;
-    }
     let grid: BokehGrid = BokehReducedGrid(layers, scale);
     let segment: vec4f = BokehEdgeLine(k, polygon, secondPass) * blur.CoC;
     let samples: f32 = max(2.0 * length(segment.zw) / blur.spacing, 2.0);
@@ -963,16 +958,7 @@ fn BokehLayerLine(tex: texture_2d<f32>, QuarterSamp: texture_2d<f32>, k: i32, po
     {
         let part: f32 = clamp(samples - f32(i), 0.0, 1.0);
         let place: vec2f = first + sampleStep * (f32(i) + part * phase);
-        var texel: vec4f = vec4f(0.0, 0.0, 0.0, 0.0);
-        if (blur.useQuarterLayer)
-        {
-            texel = BokehFetchGrid(QuarterSamp, place, grid, BokehLinearClamp);
-        }
-        else
-        {
-            texel = BokehFetchGrid(tex, place, grid, BokehLinearClamp);
-        }
-        sum += part * texel;
+        sum += part * BokehFetchGrid(tex, place, grid, BokehLinearClamp);
     }
     sum = sum / samples;
     if (secondPass)
@@ -991,6 +977,38 @@ fn BokehLayerTarget(k: i32, polygon: BokehPolygon, L1: vec4f, L2: vec4f, L3: vec
     return (L1 * w.x + L2 * w.y + L3 * w.z + L4 * w.w) / (w.x + w.y + w.z + w.w);
 }
 
+// Layers: blurs a layer along the edges, first pass
+//   tex           the layer, or the layer at quarter size
+//   scale, blur   as for BokehLayerLine
+//   last          as in BokehExactFirst
+fn BokehLayerStrips(tex: texture_2d<f32>, scale: f32, last: i32, polygon: BokehPolygon,
+    blur: BokehBlur, layers: BokehLayerContext, BokehLinearClamp: sampler) -> BokehTargets
+{
+    let zero: vec4f = vec4f(0.0, 0.0, 0.0, 0.0);
+    var L2: vec4f = zero;
+    var L3: vec4f = zero;
+    var L4: vec4f = zero;
+    let L1: vec4f = BokehLayerLine(tex, scale, 1, polygon, false, blur, layers, BokehLinearClamp);
+    if (last > 2)
+    {
+        L2 = BokehLayerLine(tex, scale, 2, polygon, false, blur, layers, BokehLinearClamp);
+    }
+    if (last > 3)
+    {
+        L3 = BokehLayerLine(tex, scale, 3, polygon, false, blur, layers, BokehLinearClamp);
+    }
+    if (last > 4)
+    {
+        L4 = BokehLayerLine(tex, scale, 4, polygon, false, blur, layers, BokehLinearClamp);
+    }
+    var targets: BokehTargets;
+    targets.strip2 = L1;
+    targets.strip3 = BokehLayerTarget(3, polygon, L1, L2, zero, zero);
+    targets.strip4 = BokehLayerTarget(4, polygon, L1, L2, L3, zero);
+    targets.strip5 = BokehLayerTarget(5, polygon, L1, L2, L3, L4);
+    return targets;
+}
+
 // Layers: blurs a layer, first pass
 //   Reads a layer and layerCoC, and writes its strips, as the first pass of `exact` does but
 //   without weights. A wide blur reads the smooth copy at quarter size, so that polygons stay flat.
@@ -1003,41 +1021,25 @@ fn BokehLayerFirst(LayerSamp: texture_2d<f32>, QuarterSamp: texture_2d<f32>, lay
     isFar: bool, last: i32, polygon: BokehPolygon, layers: BokehLayerContext,
     BokehLinearClamp: sampler) -> BokehTargets
 {
-    let grid: BokehGrid = BokehLayerGrid(layers);
-    let center: vec2f = layers.uv * grid.size;
-    let zero: vec4f = vec4f(0.0, 0.0, 0.0, 0.0);
     var targets: BokehTargets;
     let blur: BokehBlur = BokehLayerBlur(layerCoC, isFar, polygon);
     if (blur.CoC > 0.51)
     {
-        var L2: vec4f = zero;
-        var L3: vec4f = zero;
-        var L4: vec4f = zero;
-        let L1: vec4f = BokehLayerLine(LayerSamp, QuarterSamp, 1, polygon, false, blur, layers,
-            BokehLinearClamp);
-        if (last > 2)
+        if (blur.useQuarterLayer)
         {
-            L2 = BokehLayerLine(LayerSamp, QuarterSamp, 2, polygon, false, blur, layers,
-                BokehLinearClamp);
+            targets = BokehLayerStrips(QuarterSamp, 4.0, last, polygon,
+                blur, layers, BokehLinearClamp);
         }
-        if (last > 3)
+        else
         {
-            L3 = BokehLayerLine(LayerSamp, QuarterSamp, 3, polygon, false, blur, layers,
-                BokehLinearClamp);
+            targets = BokehLayerStrips(LayerSamp, f32(BOKEH_LAYER_SCALE), last, polygon,
+                blur, layers, BokehLinearClamp);
         }
-        if (last > 4)
-        {
-            L4 = BokehLayerLine(LayerSamp, QuarterSamp, 4, polygon, false, blur, layers,
-                BokehLinearClamp);
-        }
-        targets.strip2 = L1;
-        targets.strip3 = BokehLayerTarget(3, polygon, L1, L2, zero, zero);
-        targets.strip4 = BokehLayerTarget(4, polygon, L1, L2, L3, zero);
-        targets.strip5 = BokehLayerTarget(5, polygon, L1, L2, L3, L4);
     }
     else
     {
-        targets.strip2 = BokehFetchGrid(LayerSamp, center, grid, BokehLinearClamp);
+        let grid: BokehGrid = BokehLayerGrid(layers);
+        targets.strip2 = BokehFetchGrid(LayerSamp, layers.uv * grid.size, grid, BokehLinearClamp);
         targets.strip3 = targets.strip2;
         targets.strip4 = targets.strip2;
         targets.strip5 = targets.strip2;
@@ -1057,25 +1059,25 @@ fn BokehLayerSecond(Strip2Samp: texture_2d<f32>, Strip3Samp: texture_2d<f32>,
     let grid: BokehGrid = BokehLayerGrid(layers);
     let center: vec2f = layers.uv * grid.size;
     var result: vec4f = vec4f(0.0, 0.0, 0.0, 0.0);
-    var blur: BokehBlur = BokehLayerBlur(layerCoC, isFar, polygon);
-    blur.useQuarterLayer = false;
+    let blur: BokehBlur = BokehLayerBlur(layerCoC, isFar, polygon);
+    let scale: f32 = f32(BOKEH_LAYER_SCALE);
     if (blur.CoC > 0.51)
     {
-        result = BokehLayerLine(Strip2Samp, Strip2Samp, 2, polygon, true, blur, layers,
+        result = BokehLayerLine(Strip2Samp, scale, 2, polygon, true, blur, layers,
             BokehLinearClamp);
         if (polygon.sides > 4)
         {
-            result += BokehLayerLine(Strip3Samp, Strip3Samp, 3, polygon, true, blur, layers,
+            result += BokehLayerLine(Strip3Samp, scale, 3, polygon, true, blur, layers,
                 BokehLinearClamp);
         }
         if (polygon.sides > 6)
         {
-            result += BokehLayerLine(Strip4Samp, Strip4Samp, 4, polygon, true, blur, layers,
+            result += BokehLayerLine(Strip4Samp, scale, 4, polygon, true, blur, layers,
                 BokehLinearClamp);
         }
         if (polygon.sides > 8)
         {
-            result += BokehLayerLine(Strip5Samp, Strip5Samp, 5, polygon, true, blur, layers,
+            result += BokehLayerLine(Strip5Samp, scale, 5, polygon, true, blur, layers,
                 BokehLinearClamp);
         }
         result = result / polygon.area;

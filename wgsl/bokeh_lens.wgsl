@@ -54,39 +54,63 @@ fn BokehWithRoundness(polygon: BokehPolygon, roundness: f32) -> BokehPolygon
     return result;
 }
 
-// Lens: returns the distance of edge k from the centre of a polygon, in units of the CoC
-//   along         cut as a vector: the fraction of that distance by which the edge moves inwards
-fn BokehHalfWidth(k: i32, polygon: BokehPolygon, along: vec2f) -> f32
+// Lens: computes how far each edge of a polygon is from the centre
+//   along         cut as a vector: the fraction of that distance by which an edge moves inwards
+//   returns       a polygon whose lengths are these distances, in units of the CoC
+fn BokehHalfWidths(polygon: BokehPolygon, along: vec2f) -> BokehPolygon
 {
-    var width: f32 = 0.0;
+    let angle: f32 = 6.28318531 / f32(polygon.sides);
+    let k: vec4f = vec4f(1.0, 2.0, 3.0, 4.0);
+    var widths: BokehPolygon = polygon;
+    widths.lengths = vec4f(0.0, 0.0, 0.0, 0.0);
+    widths.fifth = 0.0;
     for (var i: i32 = 1; i <= polygon.sides / 2; i++)
     {
-        width += abs(BokehTurn(f32(i - k), polygon).y) * BokehEdgeLength(i, polygon);
+        let halfEdge: f32 = 0.5 * BokehEdgeLength(i, polygon);
+        widths.lengths += halfEdge * abs(sin(angle * (f32(i) - k)));
+        widths.fifth += halfEdge * abs(sin(angle * (f32(i) - 5.0)));
     }
-    return 0.5 * width * (1.0 - abs(dot(along, BokehTurn(f32(k), polygon))));
+    widths.lengths *= 1.0 - abs(along.x * cos(angle * k) + along.y * sin(angle * k));
+    widths.fifth *= 1.0 - abs(along.x * cos(angle * 5.0) + along.y * sin(angle * 5.0));
+    return widths;
 }
 
-// Lens: returns the length of edge k between the lines of all other edges, in units of the CoC
+// Lens: returns the lengths of the edges first .. first + 3
+fn BokehFourLengths(first: i32, polygon: BokehPolygon) -> vec4f
+{
+    return vec4f(BokehEdgeLength(first, polygon), BokehEdgeLength(first + 1, polygon),
+        BokehEdgeLength(first + 2, polygon), BokehEdgeLength(first + 3, polygon));
+}
+
+// Lens: computes the length of each edge between the lines of all other edges
 //
 //      before after
-//      ,---+---,   Edge k lies on a line half a width away from the centre. On each side it ends
+//      ,---+---,   An edge lies on a line half a width away from the centre. On each side it ends
 //     /    |    '  where the nearest of the other lines crosses it.
 //
-//   widths        a polygon whose lengths are the half widths of the edges
-//   returns       at least 0.001, so that no weights add up to 0
-fn BokehCutLength(k: i32, widths: BokehPolygon) -> f32
+//   widths        from BokehHalfWidths
+//   returns       a polygon with these lengths, in units of the CoC: at least 0.001, so that no
+//                 weights add up to 0
+fn BokehCutLengths(widths: BokehPolygon) -> BokehPolygon
 {
-    let halfWidth: f32 = BokehEdgeLength(k, widths);
     let edges: i32 = widths.sides / 2;
-    var ends: vec2f = vec2f(1.0, 1.0);
+    var before: vec4f = vec4f(1.0, 1.0, 1.0, 1.0);
+    var after: vec4f = vec4f(1.0, 1.0, 1.0, 1.0);
+    var fifth: vec2f = vec2f(1.0, 1.0);
     for (var i: i32 = 1; i < edges; i++)
     {
         let turn: vec2f = BokehTurn(f32(i), widths);
-        let others: vec2f = vec2f(BokehEdgeLength(k - i + edges, widths), BokehEdgeLength(k + i,
+        before = min(before, (BokehFourLengths(1 - i + edges, widths) - widths.lengths * turn.x) /
+            turn.y);
+        after = min(after, (BokehFourLengths(1 + i, widths) - widths.lengths * turn.x) / turn.y);
+        let others: vec2f = vec2f(BokehEdgeLength(5 - i + edges, widths), BokehEdgeLength(5 + i,
             widths));
-        ends = min(ends, (others - halfWidth * turn.x) / turn.y);
+        fifth = min(fifth, (others - widths.fifth * turn.x) / turn.y);
     }
-    return max(ends.x + ends.y, 0.001);
+    var cut: BokehPolygon = widths;
+    cut.lengths = max(before + after, vec4f(0.001, 0.001, 0.001, 0.001));
+    cut.fifth = max(fifth.x + fifth.y, 0.001);
+    return cut;
 }
 
 // Lens: cuts a polygon as the lens barrel does, more towards the corners of the image
@@ -105,15 +129,7 @@ fn BokehWithCatsEye(polygon: BokehPolygon, uv: vec2f, imageSize: vec2f, amount: 
     // an edge of the minimum length stands for no edge
     uncut.lengths *= clamp((polygon.lengths - 0.001) * 100000.0, vec4f(0.0, 0.0, 0.0, 0.0),
         vec4f(1.0, 1.0, 1.0, 1.0));
-    var widths: BokehPolygon = polygon;
-    widths.lengths = vec4f(BokehHalfWidth(1, uncut, along), BokehHalfWidth(2, uncut, along),
-        BokehHalfWidth(3, uncut, along), BokehHalfWidth(4, uncut, along));
-    widths.fifth = BokehHalfWidth(5, uncut, along);
-    var result: BokehPolygon = polygon;
-    result.lengths = vec4f(BokehCutLength(1, widths), BokehCutLength(2, widths), BokehCutLength(3,
-        widths), BokehCutLength(4, widths));
-    result.fifth = BokehCutLength(5, widths);
-    return BokehUpdatePolygon(result);
+    return BokehUpdatePolygon(BokehCutLengths(BokehHalfWidths(uncut, along)));
 }
 
 // -------------------------------------------------------------------------------------------------

@@ -105,7 +105,8 @@ static int run(int argc, char **argv)
     ULONGLONG last = GetTickCount64();
     if (argc > 1) {
         capture(argv[1]);
-        return 0;
+        /* leave at once: in exit(), a driver's threads may still use what it frees (seen with Mesa under Wine) */
+        TerminateProcess(GetCurrentProcess(), 0);
     }
     ShowWindow(window, SW_SHOW);
     while (message.message != WM_QUIT) {

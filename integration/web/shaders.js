@@ -942,10 +942,7 @@ targets.midFill=vec4(midColor.rgb/midColor.a,midWeight);}
 if(farColor.a>.000001){
 targets.farFill=vec4(farColor.rgb/farColor.a,1.);}
 return targets;}
-vec4 BokehLayerLine(sampler2D tex,sampler2D QuarterSamp,int k,BokehPolygon polygon,bool secondPass,BokehBlur blur,BokehLayerContext layers){
-float scale=float(BOKEH_LAYER_SCALE);
-if(blur.useQuarterLayer){
-scale=4.;}
+vec4 BokehLayerLine(sampler2D tex,float scale,int k,BokehPolygon polygon,bool secondPass,BokehBlur blur,BokehLayerContext layers){
 BokehGrid grid=BokehReducedGrid(layers,scale);
 vec4 segment=BokehEdgeLine(k,polygon,secondPass)*blur.CoC;
 float samples=max(2.*length(segment.zw)/blur.spacing,2.);
@@ -957,12 +954,7 @@ vec4 sum=vec4(0.);
 for(int i=0;i<int(ceil(samples));i++){
 float part=clamp(samples-float(i),0.,1.);
 vec2 place=first+sampleStep*(float(i)+part*phase);
-vec4 texel=vec4(0.);
-if(blur.useQuarterLayer){
-texel=BokehFetchGrid(QuarterSamp,place,grid);}
-else{
-texel=BokehFetchGrid(tex,place,grid);}
-sum+=part*texel;}
+sum+=part*BokehFetchGrid(tex,place,grid);}
 sum=sum/samples;
 if(secondPass){
 sum*=BokehEdgeArea(k,polygon);}
@@ -970,29 +962,35 @@ return sum;}
 vec4 BokehLayerTarget(int k,BokehPolygon polygon,vec4 L1,vec4 L2,vec4 L3,vec4 L4){
 vec4 w=BokehEdgeWeights(k,polygon);
 return (L1*w.x+L2*w.y+L3*w.z+L4*w.w)/(w.x+w.y+w.z+w.w);}
-BokehTargets BokehLayerFirst(sampler2D LayerSamp,sampler2D QuarterSamp,vec2 layerCoC,bool isFar,int last,BokehPolygon polygon,BokehLayerContext layers){
-BokehGrid grid=BokehLayerGrid(layers);
-vec2 center=layers.uv*grid.size;
+BokehTargets BokehLayerStrips(sampler2D tex,float scale,int last,BokehPolygon polygon,BokehBlur blur,BokehLayerContext layers){
 vec4 zero=vec4(0.);
-BokehTargets targets;
-BokehBlur blur=BokehLayerBlur(layerCoC,isFar,polygon);
-if(blur.CoC>.51){
 vec4 L2=zero;
 vec4 L3=zero;
 vec4 L4=zero;
-vec4 L1=BokehLayerLine(LayerSamp,QuarterSamp,1,polygon,false,blur,layers);
+vec4 L1=BokehLayerLine(tex,scale,1,polygon,false,blur,layers);
 if(last>2){
-L2=BokehLayerLine(LayerSamp,QuarterSamp,2,polygon,false,blur,layers);}
+L2=BokehLayerLine(tex,scale,2,polygon,false,blur,layers);}
 if(last>3){
-L3=BokehLayerLine(LayerSamp,QuarterSamp,3,polygon,false,blur,layers);}
+L3=BokehLayerLine(tex,scale,3,polygon,false,blur,layers);}
 if(last>4){
-L4=BokehLayerLine(LayerSamp,QuarterSamp,4,polygon,false,blur,layers);}
+L4=BokehLayerLine(tex,scale,4,polygon,false,blur,layers);}
+BokehTargets targets;
 targets.strip2=L1;
 targets.strip3=BokehLayerTarget(3,polygon,L1,L2,zero,zero);
 targets.strip4=BokehLayerTarget(4,polygon,L1,L2,L3,zero);
-targets.strip5=BokehLayerTarget(5,polygon,L1,L2,L3,L4);}
+targets.strip5=BokehLayerTarget(5,polygon,L1,L2,L3,L4);
+return targets;}
+BokehTargets BokehLayerFirst(sampler2D LayerSamp,sampler2D QuarterSamp,vec2 layerCoC,bool isFar,int last,BokehPolygon polygon,BokehLayerContext layers){
+BokehTargets targets;
+BokehBlur blur=BokehLayerBlur(layerCoC,isFar,polygon);
+if(blur.CoC>.51){
+if(blur.useQuarterLayer){
+targets=BokehLayerStrips(QuarterSamp,4.,last,polygon,blur,layers);}
 else{
-targets.strip2=BokehFetchGrid(LayerSamp,center,grid);
+targets=BokehLayerStrips(LayerSamp,float(BOKEH_LAYER_SCALE),last,polygon,blur,layers);}}
+else{
+BokehGrid grid=BokehLayerGrid(layers);
+targets.strip2=BokehFetchGrid(LayerSamp,layers.uv*grid.size,grid);
 targets.strip3=targets.strip2;
 targets.strip4=targets.strip2;
 targets.strip5=targets.strip2;}
@@ -1002,15 +1000,15 @@ BokehGrid grid=BokehLayerGrid(layers);
 vec2 center=layers.uv*grid.size;
 vec4 result=vec4(0.);
 BokehBlur blur=BokehLayerBlur(layerCoC,isFar,polygon);
-blur.useQuarterLayer=false;
+float scale=float(BOKEH_LAYER_SCALE);
 if(blur.CoC>.51){
-result=BokehLayerLine(Strip2Samp,Strip2Samp,2,polygon,true,blur,layers);
+result=BokehLayerLine(Strip2Samp,scale,2,polygon,true,blur,layers);
 if(polygon.sides>4){
-result+=BokehLayerLine(Strip3Samp,Strip3Samp,3,polygon,true,blur,layers);}
+result+=BokehLayerLine(Strip3Samp,scale,3,polygon,true,blur,layers);}
 if(polygon.sides>6){
-result+=BokehLayerLine(Strip4Samp,Strip4Samp,4,polygon,true,blur,layers);}
+result+=BokehLayerLine(Strip4Samp,scale,4,polygon,true,blur,layers);}
 if(polygon.sides>8){
-result+=BokehLayerLine(Strip5Samp,Strip5Samp,5,polygon,true,blur,layers);}
+result+=BokehLayerLine(Strip5Samp,scale,5,polygon,true,blur,layers);}
 result=result/polygon.area;}
 else{
 result=BokehFetchGrid(Strip2Samp,center,grid);}
@@ -1328,32 +1326,43 @@ float even=sin(.78539816-corner);
 result.lengths=vec4(odd,even,odd,even);
 result=BokehUpdatePolygon(result);}
 return result;}
-float BokehHalfWidth(int k,BokehPolygon polygon,vec2 along){
-float width=0.;
+BokehPolygon BokehHalfWidths(BokehPolygon polygon,vec2 along){
+float angle=6.28318531/float(polygon.sides);
+vec4 k=vec4(1.,2.,3.,4.);
+BokehPolygon widths=polygon;
+widths.lengths=vec4(0.);
+widths.fifth=0.;
 for(int i=1;i<=polygon.sides/2;i++){
-width+=abs(BokehTurn(float(i-k),polygon).y)*BokehEdgeLength(i,polygon);}
-return .5*width*(1.-abs(dot(along,BokehTurn(float(k),polygon))));}
-float BokehCutLength(int k,BokehPolygon widths){
-float halfWidth=BokehEdgeLength(k,widths);
+float halfEdge=.5*BokehEdgeLength(i,polygon);
+widths.lengths+=halfEdge*abs(sin(angle*(float(i)-k)));
+widths.fifth+=halfEdge*abs(sin(angle*(float(i)-5.)));}
+widths.lengths*=1.-abs(along.x*cos(angle*k)+along.y*sin(angle*k));
+widths.fifth*=1.-abs(along.x*cos(angle*5.)+along.y*sin(angle*5.));
+return widths;}
+vec4 BokehFourLengths(int first,BokehPolygon polygon){
+return vec4(BokehEdgeLength(first,polygon),BokehEdgeLength(first+1,polygon),BokehEdgeLength(first+2,polygon),BokehEdgeLength(first+3,polygon));}
+BokehPolygon BokehCutLengths(BokehPolygon widths){
 int edges=widths.sides/2;
-vec2 ends=vec2(1.);
+vec4 before=vec4(1.);
+vec4 after=vec4(1.);
+vec2 fifth=vec2(1.);
 for(int i=1;i<edges;i++){
 vec2 turn=BokehTurn(float(i),widths);
-vec2 others=vec2(BokehEdgeLength(k-i+edges,widths),BokehEdgeLength(k+i,widths));
-ends=min(ends,(others-halfWidth*turn.x)/turn.y);}
-return max(ends.x+ends.y,.001);}
+before=min(before,(BokehFourLengths(1-i+edges,widths)-widths.lengths*turn.x) /
+turn.y);
+after=min(after,(BokehFourLengths(1+i,widths)-widths.lengths*turn.x)/turn.y);
+vec2 others=vec2(BokehEdgeLength(5-i+edges,widths),BokehEdgeLength(5+i,widths));
+fifth=min(fifth,(others-widths.fifth*turn.x)/turn.y);}
+BokehPolygon cut=widths;
+cut.lengths=max(before+after,vec4(.001));
+cut.fifth=max(fifth.x+fifth.y,.001);
+return cut;}
 BokehPolygon BokehWithCatsEye(BokehPolygon polygon,vec2 uv,vec2 imageSize,float amount){
 vec2 place=(uv-.5)*2.*imageSize/length(imageSize);
 vec2 along=BokehRotated(place,vec2(polygon.axis.x,-polygon.axis.y))*clamp(amount,0.,.9);
 BokehPolygon uncut=polygon;
 uncut.lengths*=clamp((polygon.lengths-.001)*100000.,vec4(0.),vec4(1.));
-BokehPolygon widths=polygon;
-widths.lengths=vec4(BokehHalfWidth(1,uncut,along),BokehHalfWidth(2,uncut,along),BokehHalfWidth(3,uncut,along),BokehHalfWidth(4,uncut,along));
-widths.fifth=BokehHalfWidth(5,uncut,along);
-BokehPolygon result=polygon;
-result.lengths=vec4(BokehCutLength(1,widths),BokehCutLength(2,widths),BokehCutLength(3,widths),BokehCutLength(4,widths));
-result.fifth=BokehCutLength(5,widths);
-return BokehUpdatePolygon(result);}
+return BokehUpdatePolygon(BokehCutLengths(BokehHalfWidths(uncut,along)));}
 struct BokehFocus{
 vec2 sharpRange;
 vec2 sideScale;
@@ -2158,10 +2167,7 @@ targets.midFill=vec4f(midColor.rgb/midColor.a,midWeight);}
 if(farColor.a>.000001){
 targets.farFill=vec4f(farColor.rgb/farColor.a,1.);}
 return targets;}
-fn BokehLayerLine(tex:texture_2d<f32>,QuarterSamp:texture_2d<f32>,k:i32,polygon:BokehPolygon,secondPass:bool,blur:BokehBlur,layers:BokehLayerContext,BokehLinearClamp:sampler)->vec4f{
-var scale=f32(BOKEH_LAYER_SCALE);
-if(blur.useQuarterLayer){
-scale=4.;}
+fn BokehLayerLine(tex:texture_2d<f32>,scale:f32,k:i32,polygon:BokehPolygon,secondPass:bool,blur:BokehBlur,layers:BokehLayerContext,BokehLinearClamp:sampler)->vec4f{
 let grid=BokehReducedGrid(layers,scale);
 let segment=BokehEdgeLine(k,polygon,secondPass)*blur.CoC;
 let samples=max(2.*length(segment.zw)/blur.spacing,2.);
@@ -2173,12 +2179,7 @@ var sum=vec4f(0.);
 for(var i=0;i<i32(ceil(samples));i++){
 let part=clamp(samples-f32(i),0.,1.);
 let place=first+sampleStep*(f32(i)+part*phase);
-var texel=vec4f(0.);
-if(blur.useQuarterLayer){
-texel=BokehFetchGrid(QuarterSamp,place,grid,BokehLinearClamp);}
-else{
-texel=BokehFetchGrid(tex,place,grid,BokehLinearClamp);}
-sum+=part*texel;}
+sum+=part*BokehFetchGrid(tex,place,grid,BokehLinearClamp);}
 sum=sum/samples;
 if(secondPass){
 sum*=BokehEdgeArea(k,polygon);}
@@ -2186,29 +2187,35 @@ return sum;}
 fn BokehLayerTarget(k:i32,polygon:BokehPolygon,L1:vec4f,L2:vec4f,L3:vec4f,L4:vec4f)->vec4f{
 let w=BokehEdgeWeights(k,polygon);
 return (L1*w.x+L2*w.y+L3*w.z+L4*w.w)/(w.x+w.y+w.z+w.w);}
-fn BokehLayerFirst(LayerSamp:texture_2d<f32>,QuarterSamp:texture_2d<f32>,layerCoC:vec2f,isFar:bool,last:i32,polygon:BokehPolygon,layers:BokehLayerContext,BokehLinearClamp:sampler)->BokehTargets{
-let grid=BokehLayerGrid(layers);
-let center=layers.uv*grid.size;
+fn BokehLayerStrips(tex:texture_2d<f32>,scale:f32,last:i32,polygon:BokehPolygon,blur:BokehBlur,layers:BokehLayerContext,BokehLinearClamp:sampler)->BokehTargets{
 let zero=vec4f(0.);
-var targets:BokehTargets;
-let blur=BokehLayerBlur(layerCoC,isFar,polygon);
-if(blur.CoC>.51){
 var L2=zero;
 var L3=zero;
 var L4=zero;
-let L1=BokehLayerLine(LayerSamp,QuarterSamp,1,polygon,false,blur,layers,BokehLinearClamp);
+let L1=BokehLayerLine(tex,scale,1,polygon,false,blur,layers,BokehLinearClamp);
 if(last>2){
-L2=BokehLayerLine(LayerSamp,QuarterSamp,2,polygon,false,blur,layers,BokehLinearClamp);}
+L2=BokehLayerLine(tex,scale,2,polygon,false,blur,layers,BokehLinearClamp);}
 if(last>3){
-L3=BokehLayerLine(LayerSamp,QuarterSamp,3,polygon,false,blur,layers,BokehLinearClamp);}
+L3=BokehLayerLine(tex,scale,3,polygon,false,blur,layers,BokehLinearClamp);}
 if(last>4){
-L4=BokehLayerLine(LayerSamp,QuarterSamp,4,polygon,false,blur,layers,BokehLinearClamp);}
+L4=BokehLayerLine(tex,scale,4,polygon,false,blur,layers,BokehLinearClamp);}
+var targets:BokehTargets;
 targets.strip2=L1;
 targets.strip3=BokehLayerTarget(3,polygon,L1,L2,zero,zero);
 targets.strip4=BokehLayerTarget(4,polygon,L1,L2,L3,zero);
-targets.strip5=BokehLayerTarget(5,polygon,L1,L2,L3,L4);}
+targets.strip5=BokehLayerTarget(5,polygon,L1,L2,L3,L4);
+return targets;}
+fn BokehLayerFirst(LayerSamp:texture_2d<f32>,QuarterSamp:texture_2d<f32>,layerCoC:vec2f,isFar:bool,last:i32,polygon:BokehPolygon,layers:BokehLayerContext,BokehLinearClamp:sampler)->BokehTargets{
+var targets:BokehTargets;
+let blur=BokehLayerBlur(layerCoC,isFar,polygon);
+if(blur.CoC>.51){
+if(blur.useQuarterLayer){
+targets=BokehLayerStrips(QuarterSamp,4.,last,polygon,blur,layers,BokehLinearClamp);}
 else{
-targets.strip2=BokehFetchGrid(LayerSamp,center,grid,BokehLinearClamp);
+targets=BokehLayerStrips(LayerSamp,f32(BOKEH_LAYER_SCALE),last,polygon,blur,layers,BokehLinearClamp);}}
+else{
+let grid=BokehLayerGrid(layers);
+targets.strip2=BokehFetchGrid(LayerSamp,layers.uv*grid.size,grid,BokehLinearClamp);
 targets.strip3=targets.strip2;
 targets.strip4=targets.strip2;
 targets.strip5=targets.strip2;}
@@ -2217,16 +2224,16 @@ fn BokehLayerSecond(Strip2Samp:texture_2d<f32>,Strip3Samp:texture_2d<f32>,Strip4
 let grid=BokehLayerGrid(layers);
 let center=layers.uv*grid.size;
 var result=vec4f(0.);
-var blur=BokehLayerBlur(layerCoC,isFar,polygon);
-blur.useQuarterLayer=false;
+let blur=BokehLayerBlur(layerCoC,isFar,polygon);
+let scale=f32(BOKEH_LAYER_SCALE);
 if(blur.CoC>.51){
-result=BokehLayerLine(Strip2Samp,Strip2Samp,2,polygon,true,blur,layers,BokehLinearClamp);
+result=BokehLayerLine(Strip2Samp,scale,2,polygon,true,blur,layers,BokehLinearClamp);
 if(polygon.sides>4){
-result+=BokehLayerLine(Strip3Samp,Strip3Samp,3,polygon,true,blur,layers,BokehLinearClamp);}
+result+=BokehLayerLine(Strip3Samp,scale,3,polygon,true,blur,layers,BokehLinearClamp);}
 if(polygon.sides>6){
-result+=BokehLayerLine(Strip4Samp,Strip4Samp,4,polygon,true,blur,layers,BokehLinearClamp);}
+result+=BokehLayerLine(Strip4Samp,scale,4,polygon,true,blur,layers,BokehLinearClamp);}
 if(polygon.sides>8){
-result+=BokehLayerLine(Strip5Samp,Strip5Samp,5,polygon,true,blur,layers,BokehLinearClamp);}
+result+=BokehLayerLine(Strip5Samp,scale,5,polygon,true,blur,layers,BokehLinearClamp);}
 result=result/polygon.area;}
 else{
 result=BokehFetchGrid(Strip2Samp,center,grid,BokehLinearClamp);}
@@ -2515,32 +2522,43 @@ let even=sin(.78539816-corner);
 result.lengths=vec4f(odd,even,odd,even);
 result=BokehUpdatePolygon(result);}
 return result;}
-fn BokehHalfWidth(k:i32,polygon:BokehPolygon,along:vec2f)->f32{
-var width=0.;
+fn BokehHalfWidths(polygon:BokehPolygon,along:vec2f)->BokehPolygon{
+let angle=6.28318531/f32(polygon.sides);
+let k=vec4f(1.,2.,3.,4.);
+var widths=polygon;
+widths.lengths=vec4f(0.);
+widths.fifth=0.;
 for(var i=1;i<=polygon.sides/2;i++){
-width+=abs(BokehTurn(f32(i-k),polygon).y)*BokehEdgeLength(i,polygon);}
-return .5*width*(1.-abs(dot(along,BokehTurn(f32(k),polygon))));}
-fn BokehCutLength(k:i32,widths:BokehPolygon)->f32{
-let halfWidth=BokehEdgeLength(k,widths);
+let halfEdge=.5*BokehEdgeLength(i,polygon);
+widths.lengths+=halfEdge*abs(sin(angle*(f32(i)-k)));
+widths.fifth+=halfEdge*abs(sin(angle*(f32(i)-5.)));}
+widths.lengths*=1.-abs(along.x*cos(angle*k)+along.y*sin(angle*k));
+widths.fifth*=1.-abs(along.x*cos(angle*5.)+along.y*sin(angle*5.));
+return widths;}
+fn BokehFourLengths(first:i32,polygon:BokehPolygon)->vec4f{
+return vec4f(BokehEdgeLength(first,polygon),BokehEdgeLength(first+1,polygon),BokehEdgeLength(first+2,polygon),BokehEdgeLength(first+3,polygon));}
+fn BokehCutLengths(widths:BokehPolygon)->BokehPolygon{
 let edges=widths.sides/2;
-var ends=vec2f(1.);
+var before=vec4f(1.);
+var after=vec4f(1.);
+var fifth=vec2f(1.);
 for(var i=1;i<edges;i++){
 let turn=BokehTurn(f32(i),widths);
-let others=vec2f(BokehEdgeLength(k-i+edges,widths),BokehEdgeLength(k+i,widths));
-ends=min(ends,(others-halfWidth*turn.x)/turn.y);}
-return max(ends.x+ends.y,.001);}
+before=min(before,(BokehFourLengths(1-i+edges,widths)-widths.lengths*turn.x) /
+turn.y);
+after=min(after,(BokehFourLengths(1+i,widths)-widths.lengths*turn.x)/turn.y);
+let others=vec2f(BokehEdgeLength(5-i+edges,widths),BokehEdgeLength(5+i,widths));
+fifth=min(fifth,(others-widths.fifth*turn.x)/turn.y);}
+var cut=widths;
+cut.lengths=max(before+after,vec4f(.001));
+cut.fifth=max(fifth.x+fifth.y,.001);
+return cut;}
 fn BokehWithCatsEye(polygon:BokehPolygon,uv:vec2f,imageSize:vec2f,amount:f32)->BokehPolygon{
 let place=(uv-.5)*2.*imageSize/length(imageSize);
 let along=BokehRotated(place,vec2f(polygon.axis.x,-polygon.axis.y))*clamp(amount,0.,.9);
 var uncut=polygon;
 uncut.lengths*=clamp((polygon.lengths-.001)*100000.,vec4f(0.),vec4f(1.));
-var widths=polygon;
-widths.lengths=vec4f(BokehHalfWidth(1,uncut,along),BokehHalfWidth(2,uncut,along),BokehHalfWidth(3,uncut,along),BokehHalfWidth(4,uncut,along));
-widths.fifth=BokehHalfWidth(5,uncut,along);
-var result=polygon;
-result.lengths=vec4f(BokehCutLength(1,widths),BokehCutLength(2,widths),BokehCutLength(3,widths),BokehCutLength(4,widths));
-result.fifth=BokehCutLength(5,widths);
-return BokehUpdatePolygon(result);}
+return BokehUpdatePolygon(BokehCutLengths(BokehHalfWidths(uncut,along)));}
 struct BokehFocus{
 sharpRange:vec2f,sideScale:vec2f,sideMaxCoC:vec2f,}
 fn BokehFocusedCoC(depth:f32,lens:BokehLens,focus:BokehFocus)->f32{

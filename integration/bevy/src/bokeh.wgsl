@@ -1391,15 +1391,10 @@ targets.farFill = vec4f(farColor.rgb / farColor.a, 1.0);
 }
 return targets;
 }
-fn BokehLayerLine(tex: texture_2d<f32>, QuarterSamp: texture_2d<f32>, k: i32, polygon: BokehPolygon,
+fn BokehLayerLine(tex: texture_2d<f32>, scale: f32, k: i32, polygon: BokehPolygon,
 secondPass: bool, blur: BokehBlur, layers: BokehLayerContext,
 BokehLinearClamp: sampler) -> vec4f
 {
-var scale: f32 = f32(BOKEH_LAYER_SCALE);
-if (blur.useQuarterLayer)
-{
-scale = 4.0;
-}
 let grid: BokehGrid = BokehReducedGrid(layers, scale);
 let segment: vec4f = BokehEdgeLine(k, polygon, secondPass) * blur.CoC;
 let samples: f32 = max(2.0 * length(segment.zw) / blur.spacing, 2.0);
@@ -1413,16 +1408,7 @@ for (var i: i32 = 0; i < i32(ceil(samples)); i++)
 {
 let part: f32 = clamp(samples - f32(i), 0.0, 1.0);
 let place: vec2f = first + sampleStep * (f32(i) + part * phase);
-var texel: vec4f = vec4f(0.0, 0.0, 0.0, 0.0);
-if (blur.useQuarterLayer)
-{
-texel = BokehFetchGrid(QuarterSamp, place, grid, BokehLinearClamp);
-}
-else
-{
-texel = BokehFetchGrid(tex, place, grid, BokehLinearClamp);
-}
-sum += part * texel;
+sum += part * BokehFetchGrid(tex, place, grid, BokehLinearClamp);
 }
 sum = sum / samples;
 if (secondPass)
@@ -1437,45 +1423,56 @@ L4: vec4f) -> vec4f
 let w: vec4f = BokehEdgeWeights(k, polygon);
 return (L1 * w.x + L2 * w.y + L3 * w.z + L4 * w.w) / (w.x + w.y + w.z + w.w);
 }
-fn BokehLayerFirst(LayerSamp: texture_2d<f32>, QuarterSamp: texture_2d<f32>, layerCoC: vec2f,
-isFar: bool, last: i32, polygon: BokehPolygon, layers: BokehLayerContext,
-BokehLinearClamp: sampler) -> BokehTargets
+fn BokehLayerStrips(tex: texture_2d<f32>, scale: f32, last: i32, polygon: BokehPolygon,
+blur: BokehBlur, layers: BokehLayerContext, BokehLinearClamp: sampler) -> BokehTargets
 {
-let grid: BokehGrid = BokehLayerGrid(layers);
-let center: vec2f = layers.uv * grid.size;
 let zero: vec4f = vec4f(0.0, 0.0, 0.0, 0.0);
-var targets: BokehTargets;
-let blur: BokehBlur = BokehLayerBlur(layerCoC, isFar, polygon);
-if (blur.CoC > 0.51)
-{
 var L2: vec4f = zero;
 var L3: vec4f = zero;
 var L4: vec4f = zero;
-let L1: vec4f = BokehLayerLine(LayerSamp, QuarterSamp, 1, polygon, false, blur, layers,
-BokehLinearClamp);
+let L1: vec4f = BokehLayerLine(tex, scale, 1, polygon, false, blur, layers, BokehLinearClamp);
 if (last > 2)
 {
-L2 = BokehLayerLine(LayerSamp, QuarterSamp, 2, polygon, false, blur, layers,
-BokehLinearClamp);
+L2 = BokehLayerLine(tex, scale, 2, polygon, false, blur, layers, BokehLinearClamp);
 }
 if (last > 3)
 {
-L3 = BokehLayerLine(LayerSamp, QuarterSamp, 3, polygon, false, blur, layers,
-BokehLinearClamp);
+L3 = BokehLayerLine(tex, scale, 3, polygon, false, blur, layers, BokehLinearClamp);
 }
 if (last > 4)
 {
-L4 = BokehLayerLine(LayerSamp, QuarterSamp, 4, polygon, false, blur, layers,
-BokehLinearClamp);
+L4 = BokehLayerLine(tex, scale, 4, polygon, false, blur, layers, BokehLinearClamp);
 }
+var targets: BokehTargets;
 targets.strip2 = L1;
 targets.strip3 = BokehLayerTarget(3, polygon, L1, L2, zero, zero);
 targets.strip4 = BokehLayerTarget(4, polygon, L1, L2, L3, zero);
 targets.strip5 = BokehLayerTarget(5, polygon, L1, L2, L3, L4);
+return targets;
+}
+fn BokehLayerFirst(LayerSamp: texture_2d<f32>, QuarterSamp: texture_2d<f32>, layerCoC: vec2f,
+isFar: bool, last: i32, polygon: BokehPolygon, layers: BokehLayerContext,
+BokehLinearClamp: sampler) -> BokehTargets
+{
+var targets: BokehTargets;
+let blur: BokehBlur = BokehLayerBlur(layerCoC, isFar, polygon);
+if (blur.CoC > 0.51)
+{
+if (blur.useQuarterLayer)
+{
+targets = BokehLayerStrips(QuarterSamp, 4.0, last, polygon,
+blur, layers, BokehLinearClamp);
 }
 else
 {
-targets.strip2 = BokehFetchGrid(LayerSamp, center, grid, BokehLinearClamp);
+targets = BokehLayerStrips(LayerSamp, f32(BOKEH_LAYER_SCALE), last, polygon,
+blur, layers, BokehLinearClamp);
+}
+}
+else
+{
+let grid: BokehGrid = BokehLayerGrid(layers);
+targets.strip2 = BokehFetchGrid(LayerSamp, layers.uv * grid.size, grid, BokehLinearClamp);
 targets.strip3 = targets.strip2;
 targets.strip4 = targets.strip2;
 targets.strip5 = targets.strip2;
@@ -1489,25 +1486,25 @@ polygon: BokehPolygon, layers: BokehLayerContext, BokehLinearClamp: sampler) -> 
 let grid: BokehGrid = BokehLayerGrid(layers);
 let center: vec2f = layers.uv * grid.size;
 var result: vec4f = vec4f(0.0, 0.0, 0.0, 0.0);
-var blur: BokehBlur = BokehLayerBlur(layerCoC, isFar, polygon);
-blur.useQuarterLayer = false;
+let blur: BokehBlur = BokehLayerBlur(layerCoC, isFar, polygon);
+let scale: f32 = f32(BOKEH_LAYER_SCALE);
 if (blur.CoC > 0.51)
 {
-result = BokehLayerLine(Strip2Samp, Strip2Samp, 2, polygon, true, blur, layers,
+result = BokehLayerLine(Strip2Samp, scale, 2, polygon, true, blur, layers,
 BokehLinearClamp);
 if (polygon.sides > 4)
 {
-result += BokehLayerLine(Strip3Samp, Strip3Samp, 3, polygon, true, blur, layers,
+result += BokehLayerLine(Strip3Samp, scale, 3, polygon, true, blur, layers,
 BokehLinearClamp);
 }
 if (polygon.sides > 6)
 {
-result += BokehLayerLine(Strip4Samp, Strip4Samp, 4, polygon, true, blur, layers,
+result += BokehLayerLine(Strip4Samp, scale, 4, polygon, true, blur, layers,
 BokehLinearClamp);
 }
 if (polygon.sides > 8)
 {
-result += BokehLayerLine(Strip5Samp, Strip5Samp, 5, polygon, true, blur, layers,
+result += BokehLayerLine(Strip5Samp, scale, 5, polygon, true, blur, layers,
 BokehLinearClamp);
 }
 result = result / polygon.area;
@@ -1986,28 +1983,48 @@ result = BokehUpdatePolygon(result);
 }
 return result;
 }
-fn BokehHalfWidth(k: i32, polygon: BokehPolygon, along: vec2f) -> f32
+fn BokehHalfWidths(polygon: BokehPolygon, along: vec2f) -> BokehPolygon
 {
-var width: f32 = 0.0;
+let angle: f32 = 6.28318531 / f32(polygon.sides);
+let k: vec4f = vec4f(1.0, 2.0, 3.0, 4.0);
+var widths: BokehPolygon = polygon;
+widths.lengths = vec4f(0.0, 0.0, 0.0, 0.0);
+widths.fifth = 0.0;
 for (var i: i32 = 1; i <= polygon.sides / 2; i++)
 {
-width += abs(BokehTurn(f32(i - k), polygon).y) * BokehEdgeLength(i, polygon);
+let halfEdge: f32 = 0.5 * BokehEdgeLength(i, polygon);
+widths.lengths += halfEdge * abs(sin(angle * (f32(i) - k)));
+widths.fifth += halfEdge * abs(sin(angle * (f32(i) - 5.0)));
 }
-return 0.5 * width * (1.0 - abs(dot(along, BokehTurn(f32(k), polygon))));
+widths.lengths *= 1.0 - abs(along.x * cos(angle * k) + along.y * sin(angle * k));
+widths.fifth *= 1.0 - abs(along.x * cos(angle * 5.0) + along.y * sin(angle * 5.0));
+return widths;
 }
-fn BokehCutLength(k: i32, widths: BokehPolygon) -> f32
+fn BokehFourLengths(first: i32, polygon: BokehPolygon) -> vec4f
 {
-let halfWidth: f32 = BokehEdgeLength(k, widths);
+return vec4f(BokehEdgeLength(first, polygon), BokehEdgeLength(first + 1, polygon),
+BokehEdgeLength(first + 2, polygon), BokehEdgeLength(first + 3, polygon));
+}
+fn BokehCutLengths(widths: BokehPolygon) -> BokehPolygon
+{
 let edges: i32 = widths.sides / 2;
-var ends: vec2f = vec2f(1.0, 1.0);
+var before: vec4f = vec4f(1.0, 1.0, 1.0, 1.0);
+var after: vec4f = vec4f(1.0, 1.0, 1.0, 1.0);
+var fifth: vec2f = vec2f(1.0, 1.0);
 for (var i: i32 = 1; i < edges; i++)
 {
 let turn: vec2f = BokehTurn(f32(i), widths);
-let others: vec2f = vec2f(BokehEdgeLength(k - i + edges, widths), BokehEdgeLength(k + i,
+before = min(before, (BokehFourLengths(1 - i + edges, widths) - widths.lengths * turn.x) /
+turn.y);
+after = min(after, (BokehFourLengths(1 + i, widths) - widths.lengths * turn.x) / turn.y);
+let others: vec2f = vec2f(BokehEdgeLength(5 - i + edges, widths), BokehEdgeLength(5 + i,
 widths));
-ends = min(ends, (others - halfWidth * turn.x) / turn.y);
+fifth = min(fifth, (others - widths.fifth * turn.x) / turn.y);
 }
-return max(ends.x + ends.y, 0.001);
+var cut: BokehPolygon = widths;
+cut.lengths = max(before + after, vec4f(0.001, 0.001, 0.001, 0.001));
+cut.fifth = max(fifth.x + fifth.y, 0.001);
+return cut;
 }
 fn BokehWithCatsEye(polygon: BokehPolygon, uv: vec2f, imageSize: vec2f, amount: f32) -> BokehPolygon
 {
@@ -2017,15 +2034,7 @@ let along: vec2f = BokehRotated(place, vec2f(polygon.axis.x, -polygon.axis.y)) *
 var uncut: BokehPolygon = polygon;
 uncut.lengths *= clamp((polygon.lengths - 0.001) * 100000.0, vec4f(0.0, 0.0, 0.0, 0.0),
 vec4f(1.0, 1.0, 1.0, 1.0));
-var widths: BokehPolygon = polygon;
-widths.lengths = vec4f(BokehHalfWidth(1, uncut, along), BokehHalfWidth(2, uncut, along),
-BokehHalfWidth(3, uncut, along), BokehHalfWidth(4, uncut, along));
-widths.fifth = BokehHalfWidth(5, uncut, along);
-var result: BokehPolygon = polygon;
-result.lengths = vec4f(BokehCutLength(1, widths), BokehCutLength(2, widths), BokehCutLength(3,
-widths), BokehCutLength(4, widths));
-result.fifth = BokehCutLength(5, widths);
-return BokehUpdatePolygon(result);
+return BokehUpdatePolygon(BokehCutLengths(BokehHalfWidths(uncut, along)));
 }
 struct BokehFocus
 {

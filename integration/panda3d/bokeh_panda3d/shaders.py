@@ -1484,14 +1484,9 @@ targets.farFill = vec4(farColor.rgb / farColor.a, 1.0);
 }
 return targets;
 }
-vec4 BokehLayerLine(BOKEH_TEXTURE tex, BOKEH_TEXTURE QuarterSamp, int k, BokehPolygon polygon,
-bool secondPass, BokehBlur blur, BokehLayerContext layers)
+vec4 BokehLayerLine(BOKEH_TEXTURE tex, float scale, int k, BokehPolygon polygon, bool secondPass,
+BokehBlur blur, BokehLayerContext layers)
 {
-float scale = float(BOKEH_LAYER_SCALE);
-if (blur.useQuarterLayer)
-{
-scale = 4.0;
-}
 BokehGrid grid = BokehReducedGrid(layers, scale);
 vec4 segment = BokehEdgeLine(k, polygon, secondPass) * blur.CoC;
 float samples = max(2.0 * length(segment.zw) / blur.spacing, 2.0);
@@ -1505,16 +1500,7 @@ for (int i = 0; i < int(ceil(samples)); i++)
 {
 float part = clamp(samples - float(i), 0.0, 1.0);
 vec2 place = first + sampleStep * (float(i) + part * phase);
-vec4 texel = vec4(0.0, 0.0, 0.0, 0.0);
-if (blur.useQuarterLayer)
-{
-texel = BokehFetchGrid(QuarterSamp, place, grid);
-}
-else
-{
-texel = BokehFetchGrid(tex, place, grid);
-}
-sum += part * texel;
+sum += part * BokehFetchGrid(tex, place, grid);
 }
 sum = sum / samples;
 if (secondPass)
@@ -1528,40 +1514,54 @@ vec4 BokehLayerTarget(int k, BokehPolygon polygon, vec4 L1, vec4 L2, vec4 L3, ve
 vec4 w = BokehEdgeWeights(k, polygon);
 return (L1 * w.x + L2 * w.y + L3 * w.z + L4 * w.w) / (w.x + w.y + w.z + w.w);
 }
-BokehTargets BokehLayerFirst(BOKEH_TEXTURE LayerSamp, BOKEH_TEXTURE QuarterSamp, vec2 layerCoC,
-bool isFar, int last, BokehPolygon polygon, BokehLayerContext layers)
+BokehTargets BokehLayerStrips(BOKEH_TEXTURE tex, float scale, int last, BokehPolygon polygon,
+BokehBlur blur, BokehLayerContext layers)
 {
-BokehGrid grid = BokehLayerGrid(layers);
-vec2 center = layers.uv * grid.size;
 vec4 zero = vec4(0.0, 0.0, 0.0, 0.0);
-BokehTargets targets;
-BokehBlur blur = BokehLayerBlur(layerCoC, isFar, polygon);
-if (blur.CoC > 0.51)
-{
 vec4 L2 = zero;
 vec4 L3 = zero;
 vec4 L4 = zero;
-vec4 L1 = BokehLayerLine(LayerSamp, QuarterSamp, 1, polygon, false, blur, layers);
+vec4 L1 = BokehLayerLine(tex, scale, 1, polygon, false, blur, layers);
 if (last > 2)
 {
-L2 = BokehLayerLine(LayerSamp, QuarterSamp, 2, polygon, false, blur, layers);
+L2 = BokehLayerLine(tex, scale, 2, polygon, false, blur, layers);
 }
 if (last > 3)
 {
-L3 = BokehLayerLine(LayerSamp, QuarterSamp, 3, polygon, false, blur, layers);
+L3 = BokehLayerLine(tex, scale, 3, polygon, false, blur, layers);
 }
 if (last > 4)
 {
-L4 = BokehLayerLine(LayerSamp, QuarterSamp, 4, polygon, false, blur, layers);
+L4 = BokehLayerLine(tex, scale, 4, polygon, false, blur, layers);
 }
+BokehTargets targets;
 targets.strip2 = L1;
 targets.strip3 = BokehLayerTarget(3, polygon, L1, L2, zero, zero);
 targets.strip4 = BokehLayerTarget(4, polygon, L1, L2, L3, zero);
 targets.strip5 = BokehLayerTarget(5, polygon, L1, L2, L3, L4);
+return targets;
+}
+BokehTargets BokehLayerFirst(BOKEH_TEXTURE LayerSamp, BOKEH_TEXTURE QuarterSamp, vec2 layerCoC,
+bool isFar, int last, BokehPolygon polygon, BokehLayerContext layers)
+{
+BokehTargets targets;
+BokehBlur blur = BokehLayerBlur(layerCoC, isFar, polygon);
+if (blur.CoC > 0.51)
+{
+if (blur.useQuarterLayer)
+{
+targets = BokehLayerStrips(QuarterSamp, 4.0, last, polygon, blur, layers);
 }
 else
 {
-targets.strip2 = BokehFetchGrid(LayerSamp, center, grid);
+targets = BokehLayerStrips(LayerSamp, float(BOKEH_LAYER_SCALE), last, polygon,
+blur, layers);
+}
+}
+else
+{
+BokehGrid grid = BokehLayerGrid(layers);
+targets.strip2 = BokehFetchGrid(LayerSamp, layers.uv * grid.size, grid);
 targets.strip3 = targets.strip2;
 targets.strip4 = targets.strip2;
 targets.strip5 = targets.strip2;
@@ -1576,21 +1576,21 @@ BokehGrid grid = BokehLayerGrid(layers);
 vec2 center = layers.uv * grid.size;
 vec4 result = vec4(0.0, 0.0, 0.0, 0.0);
 BokehBlur blur = BokehLayerBlur(layerCoC, isFar, polygon);
-blur.useQuarterLayer = false;
+float scale = float(BOKEH_LAYER_SCALE);
 if (blur.CoC > 0.51)
 {
-result = BokehLayerLine(Strip2Samp, Strip2Samp, 2, polygon, true, blur, layers);
+result = BokehLayerLine(Strip2Samp, scale, 2, polygon, true, blur, layers);
 if (polygon.sides > 4)
 {
-result += BokehLayerLine(Strip3Samp, Strip3Samp, 3, polygon, true, blur, layers);
+result += BokehLayerLine(Strip3Samp, scale, 3, polygon, true, blur, layers);
 }
 if (polygon.sides > 6)
 {
-result += BokehLayerLine(Strip4Samp, Strip4Samp, 4, polygon, true, blur, layers);
+result += BokehLayerLine(Strip4Samp, scale, 4, polygon, true, blur, layers);
 }
 if (polygon.sides > 8)
 {
-result += BokehLayerLine(Strip5Samp, Strip5Samp, 5, polygon, true, blur, layers);
+result += BokehLayerLine(Strip5Samp, scale, 5, polygon, true, blur, layers);
 }
 result = result / polygon.area;
 }
@@ -2050,27 +2050,47 @@ result = BokehUpdatePolygon(result);
 }
 return result;
 }
-float BokehHalfWidth(int k, BokehPolygon polygon, vec2 along)
+BokehPolygon BokehHalfWidths(BokehPolygon polygon, vec2 along)
 {
-float width = 0.0;
+float angle = 6.28318531 / float(polygon.sides);
+vec4 k = vec4(1.0, 2.0, 3.0, 4.0);
+BokehPolygon widths = polygon;
+widths.lengths = vec4(0.0, 0.0, 0.0, 0.0);
+widths.fifth = 0.0;
 for (int i = 1; i <= polygon.sides / 2; i++)
 {
-width += abs(BokehTurn(float(i - k), polygon).y) * BokehEdgeLength(i, polygon);
+float halfEdge = 0.5 * BokehEdgeLength(i, polygon);
+widths.lengths += halfEdge * abs(sin(angle * (float(i) - k)));
+widths.fifth += halfEdge * abs(sin(angle * (float(i) - 5.0)));
 }
-return 0.5 * width * (1.0 - abs(dot(along, BokehTurn(float(k), polygon))));
+widths.lengths *= 1.0 - abs(along.x * cos(angle * k) + along.y * sin(angle * k));
+widths.fifth *= 1.0 - abs(along.x * cos(angle * 5.0) + along.y * sin(angle * 5.0));
+return widths;
 }
-float BokehCutLength(int k, BokehPolygon widths)
+vec4 BokehFourLengths(int first, BokehPolygon polygon)
 {
-float halfWidth = BokehEdgeLength(k, widths);
+return vec4(BokehEdgeLength(first, polygon), BokehEdgeLength(first + 1, polygon),
+BokehEdgeLength(first + 2, polygon), BokehEdgeLength(first + 3, polygon));
+}
+BokehPolygon BokehCutLengths(BokehPolygon widths)
+{
 int edges = widths.sides / 2;
-vec2 ends = vec2(1.0, 1.0);
+vec4 before = vec4(1.0, 1.0, 1.0, 1.0);
+vec4 after = vec4(1.0, 1.0, 1.0, 1.0);
+vec2 fifth = vec2(1.0, 1.0);
 for (int i = 1; i < edges; i++)
 {
 vec2 turn = BokehTurn(float(i), widths);
-vec2 others = vec2(BokehEdgeLength(k - i + edges, widths), BokehEdgeLength(k + i, widths));
-ends = min(ends, (others - halfWidth * turn.x) / turn.y);
+before = min(before, (BokehFourLengths(1 - i + edges, widths) - widths.lengths * turn.x) /
+turn.y);
+after = min(after, (BokehFourLengths(1 + i, widths) - widths.lengths * turn.x) / turn.y);
+vec2 others = vec2(BokehEdgeLength(5 - i + edges, widths), BokehEdgeLength(5 + i, widths));
+fifth = min(fifth, (others - widths.fifth * turn.x) / turn.y);
 }
-return max(ends.x + ends.y, 0.001);
+BokehPolygon cut = widths;
+cut.lengths = max(before + after, vec4(0.001, 0.001, 0.001, 0.001));
+cut.fifth = max(fifth.x + fifth.y, 0.001);
+return cut;
 }
 BokehPolygon BokehWithCatsEye(BokehPolygon polygon, vec2 uv, vec2 imageSize, float amount)
 {
@@ -2080,15 +2100,7 @@ vec2 along = BokehRotated(place, vec2(polygon.axis.x, -polygon.axis.y)) * clamp(
 BokehPolygon uncut = polygon;
 uncut.lengths *= clamp((polygon.lengths - 0.001) * 100000.0, vec4(0.0, 0.0, 0.0, 0.0), vec4(1.0,
 1.0, 1.0, 1.0));
-BokehPolygon widths = polygon;
-widths.lengths = vec4(BokehHalfWidth(1, uncut, along), BokehHalfWidth(2, uncut, along),
-BokehHalfWidth(3, uncut, along), BokehHalfWidth(4, uncut, along));
-widths.fifth = BokehHalfWidth(5, uncut, along);
-BokehPolygon result = polygon;
-result.lengths = vec4(BokehCutLength(1, widths), BokehCutLength(2, widths), BokehCutLength(3,
-widths), BokehCutLength(4, widths));
-result.fifth = BokehCutLength(5, widths);
-return BokehUpdatePolygon(result);
+return BokehUpdatePolygon(BokehCutLengths(BokehHalfWidths(uncut, along)));
 }
 struct BokehFocus
 {

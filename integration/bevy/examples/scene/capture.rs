@@ -173,7 +173,7 @@ fn next_shot(
     if frame.is_multiple_of(FRAMES_PER_SHOT) {
         if let Some((name, method, shape, preset, samples, size)) = SHOTS.get(shot) {
             (bokeh.method, bokeh.shape, bokeh.preset, *msaa) = (*method, *shape, *preset, *samples);
-            bokeh.rotation = if is_rotated(name) { CLOCKWISE.to_radians() } else { 0.0 };
+            bokeh.rotation = if name.starts_with("rotated") { CLOCKWISE.to_radians() } else { 0.0 };
             images.get_mut(&picture.0).unwrap().resize(extent(*size));
         } else if shot == SHOTS.len() {
             bokeh.debug = Some(BokehDebug::Focus);
@@ -218,10 +218,6 @@ fn read_back<'a>(copies: &'a [u8], bokeh: &Bokeh, size: UVec2) -> (&'a [u8], &'a
     (color, &targets[..written])
 }
 
-fn is_rotated(name: &str) -> bool {
-    name.starts_with("rotated")
-}
-
 fn extent(size: UVec2) -> Extent3d {
     Extent3d { width: size.x, height: size.y, depth_or_array_layers: 1 }
 }
@@ -242,7 +238,7 @@ fn description(bokeh: &Bokeh, adapter: &RenderAdapterInfo) -> String {
         } else {
             format!(r#""preset": "{preset:?}""#)
         };
-        let more = if is_rotated(name) { format!(r#"{more}, "clockwise": {CLOCKWISE}"#) } else { more };
+        let more = if name.starts_with("rotated") { format!(r#"{more}, "clockwise": {CLOCKWISE}"#) } else { more };
         format!(
             r#"{{"name": "{name}", "method": "{method:?}", "aperture": "{shape:?}", {more}, "width": {x}, "height": {y},
 "color": "color-{x}.f16", "depth": "depth-{x}.f32", "result": "{name}.f16", "written": "{name}.written"}}"#
