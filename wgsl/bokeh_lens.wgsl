@@ -71,7 +71,8 @@ fn BokehHalfWidths(polygon: BokehPolygon, along: vec2f) -> BokehPolygon
         widths.fifth += halfEdge * abs(sin(angle * (f32(i) - 5.0)));
     }
     widths.lengths *= 1.0 - abs(along.x * cos(angle * k) + along.y * sin(angle * k));
-    widths.fifth *= 1.0 - abs(along.x * cos(angle * 5.0) + along.y * sin(angle * 5.0));
+    // only a decagon has an edge 5, which faces along the x axis
+    widths.fifth *= 1.0 - abs(along.x);
     return widths;
 }
 

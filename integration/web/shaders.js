@@ -1337,7 +1337,7 @@ float halfEdge=.5*BokehEdgeLength(i,polygon);
 widths.lengths+=halfEdge*abs(sin(angle*(float(i)-k)));
 widths.fifth+=halfEdge*abs(sin(angle*(float(i)-5.)));}
 widths.lengths*=1.-abs(along.x*cos(angle*k)+along.y*sin(angle*k));
-widths.fifth*=1.-abs(along.x*cos(angle*5.)+along.y*sin(angle*5.));
+widths.fifth*=1.-abs(along.x);
 return widths;}
 vec4 BokehFourLengths(int first,BokehPolygon polygon){
 return vec4(BokehEdgeLength(first,polygon),BokehEdgeLength(first+1,polygon),BokehEdgeLength(first+2,polygon),BokehEdgeLength(first+3,polygon));}
@@ -2533,7 +2533,7 @@ let halfEdge=.5*BokehEdgeLength(i,polygon);
 widths.lengths+=halfEdge*abs(sin(angle*(f32(i)-k)));
 widths.fifth+=halfEdge*abs(sin(angle*(f32(i)-5.)));}
 widths.lengths*=1.-abs(along.x*cos(angle*k)+along.y*sin(angle*k));
-widths.fifth*=1.-abs(along.x*cos(angle*5.)+along.y*sin(angle*5.));
+widths.fifth*=1.-abs(along.x);
 return widths;}
 fn BokehFourLengths(first:i32,polygon:BokehPolygon)->vec4f{
 return vec4f(BokehEdgeLength(first,polygon),BokehEdgeLength(first+1,polygon),BokehEdgeLength(first+2,polygon),BokehEdgeLength(first+3,polygon));}

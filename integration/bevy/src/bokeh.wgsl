@@ -1997,7 +1997,7 @@ widths.lengths += halfEdge * abs(sin(angle * (f32(i) - k)));
 widths.fifth += halfEdge * abs(sin(angle * (f32(i) - 5.0)));
 }
 widths.lengths *= 1.0 - abs(along.x * cos(angle * k) + along.y * sin(angle * k));
-widths.fifth *= 1.0 - abs(along.x * cos(angle * 5.0) + along.y * sin(angle * 5.0));
+widths.fifth *= 1.0 - abs(along.x);
 return widths;
 }
 fn BokehFourLengths(first: i32, polygon: BokehPolygon) -> vec4f

@@ -2064,7 +2064,7 @@ widths.lengths += halfEdge * abs(sin(angle * (float(i) - k)));
 widths.fifth += halfEdge * abs(sin(angle * (float(i) - 5.0)));
 }
 widths.lengths *= 1.0 - abs(along.x * cos(angle * k) + along.y * sin(angle * k));
-widths.fifth *= 1.0 - abs(along.x * cos(angle * 5.0) + along.y * sin(angle * 5.0));
+widths.fifth *= 1.0 - abs(along.x);
 return widths;
 }
 vec4 BokehFourLengths(int first, BokehPolygon polygon)

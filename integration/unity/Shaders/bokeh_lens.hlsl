@@ -77,7 +77,8 @@ BokehPolygon BokehHalfWidths(BokehPolygon polygon, float2 along)
         widths.fifth += halfEdge * abs(sin(angle * (float(i) - 5.0)));
     }
     widths.lengths *= 1.0 - abs(along.x * cos(angle * k) + along.y * sin(angle * k));
-    widths.fifth *= 1.0 - abs(along.x * cos(angle * 5.0) + along.y * sin(angle * 5.0));
+    // only a decagon has an edge 5, which faces along the x axis
+    widths.fifth *= 1.0 - abs(along.x);
     return widths;
 }
 
