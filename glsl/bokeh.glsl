@@ -17,9 +17,10 @@
 //
 // PASTE: the whole effect as an exact hexagon, three passes. Each program is your #version line
 //   (330, 300 es, 450 or later), this file, and one of these blocks. Blending off. Under Vulkan put
-//   the variables into a block, with bindings and locations, as bokeh_passes.glsl does. A lens to
-//   begin with: apertureDiameter 0.036, focalLength 0.05, focusDistance 2.0 (50 mm at f/1.4)
-//   makes distant lights 41 pixels wide at 1920 x 1080.
+//   the variables into a block, add bindings and locations as bokeh_passes.glsl does, and write
+//   gl_VertexIndex instead of gl_VertexID. A lens to begin with: apertureDiameter 0.036,
+//   focalLength 0.05, focusDistance 2.0 (50 mm at f/1.4) makes distant lights 41 pixels wide at
+//   1920 x 1080.
 //
 //   Vertex shader of all three, without this file: one triangle, no buffer; core OpenGL wants an
 //   empty vertex array bound.

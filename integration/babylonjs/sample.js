@@ -13,7 +13,7 @@ export function addBokeh(camera, options) {
   return bokeh;
 }
 
-// Adds tone mapping and sRGB as the last step. The scene itself is then drawn in linear colours without a maximum
+// Adds tone mapping and sRGB as the last step. The scene itself is then drawn in linear colours, also above 1
 function addTone(camera) {
   const { imageProcessingConfiguration: tone } = camera.getScene();
   tone.toneMappingEnabled = true;
