@@ -178,6 +178,11 @@
 // value, a thin bright line shows as a row of copies; a lower one costs fetches.
 #define BOKEH_TUNED_RING_WIDTH 2.75
 
+// Around a light that is this many times as bright as the mean around it, the gather reaches only
+// as far as the light's blur does. With a higher value, a light beside something more blurred shows
+// as a ring of copies; with a lower one, that blur is cut off in more places.
+#define BOKEH_TUNED_REACH_LIGHT 16.0
+
 // A gather of a single ring reaches at most this far, pixels. With a higher value, an edge shows as
 // a row of copies; with a lower one, blurs that are in no layer get too small.
 #define BOKEH_TUNED_SINGLE_RADIUS 6.0
@@ -386,6 +391,25 @@ vec2 BokehReaching(vec2 CoC, float tiles)
     return CoC * clamp(weight, vec2(0.0, 0.0), vec2(1.0, 1.0));
 }
 
+// Layers: returns the gatherCoC that applies here of another tile's, pixels
+//   A light's (below 0) applies to the tiles that its blur covers, any other as in BokehReaching.
+//   tiles         distance of the other tile
+vec2 BokehGatherReaching(vec2 CoC, float tiles)
+{
+    vec2 light = min(CoC, vec2(0.0, 0.0));
+    vec2 isCovered = clamp((0.5 - tiles - light / 16.0) * 1000000.0, vec2(0.0, 0.0),
+        vec2(1.0, 1.0));
+    return BokehReaching(max(CoC, vec2(0.0, 0.0)), tiles) + light * isCovered;
+}
+
+// Layers: merges the gatherCoC of two pixels or tiles: that of a light, or else the larger one
+vec2 BokehMergedGatherCoC(vec2 a, vec2 b)
+{
+    vec2 light = min(min(a, b), vec2(0.0, 0.0));
+    vec2 isDark = clamp(light * 1000000.0 + 1.0, vec2(0.0, 0.0), vec2(1.0, 1.0));
+    return light + max(a, b) * isDark;
+}
+
 // Layers: returns how many tiles the largest possible CoC can reach, at most 127
 float BokehReachTiles(BokehLayerContext layers)
 {
@@ -437,7 +461,8 @@ vec4 BokehBlurWeights(vec4 a, vec4 b, vec4 c, vec4 d, float inverseBrightness, f
 // Layers: holds what BokehPrefilter writes
 //   nearLayer, farLayer  rgb times layer weight, layer weight
 //   layerCoCSums  for the mean CoC of both layers: CoC / 8 times weight, weight
-//   gatherCoC     rg = largest near and far CoC that is not completely in its layer, pixels
+//   gatherCoC     rg = largest near and far CoC that is not completely in its layer, pixels; that
+//                 of a light comes before any other, and is below 0
 struct BokehPrefiltered
 {
     vec4 nearLayer;
@@ -487,10 +512,23 @@ vec4 BokehNearPixel(vec4 pixel, float nearWeight, vec4 around)
     return result;
 }
 
+// Layers: returns gatherCoC of one pixel
+//   weights       near and far layer weight of the pixel
+vec2 BokehGatherCoC(vec4 pixel, vec2 weights, float inverseBrightness, BokehGrid full)
+{
+    vec2 rest = min(4.0 - 4.0 * weights, vec2(1.0, 1.0));
+    vec2 CoC = max(vec2(-pixel.a, pixel.a) * full.size.y * rest, vec2(0.0, 0.0));
+    if (BokehBrightest(pixel.rgb) * inverseBrightness > BOKEH_TUNED_REACH_LIGHT)
+    {
+        CoC = -CoC;
+    }
+    return CoC;
+}
+
 // Layers: does the work of BokehPrefilter for 2 x 2 pixels
 //   middle        the corner that the four pixels share, pixels
 //   tile          texel of dilatedTiles that covers them
-//   returns       their mean, and the maximum for gatherCoC
+//   returns       their mean, and gatherCoC merged
 BokehPrefiltered BokehPrefilterBlock(BOKEH_TEXTURE MapSamp, vec2 middle, vec4 tile,
     BokehLayerContext layers)
 {
@@ -512,10 +550,12 @@ BokehPrefiltered BokehPrefilterBlock(BOKEH_TEXTURE MapSamp, vec2 middle, vec4 ti
     vec4 weights = farWeights * BokehBlurWeights(a, b, c, d, inverseBrightness, maxWeight);
     vec4 one = vec4(1.0, 1.0, 1.0, 1.0);
     vec4 sums = vec4(0.0, 0.0, dot(weights, s) / 8.0, dot(weights, one));
-    vec4 nearGather = -s * min(4.0 - 4.0 * nearWeights, one);
-    vec4 farGather = s * min(4.0 - 4.0 * farWeights, one);
-    vec2 gatherCoC = max(max(vec2(nearGather.x, farGather.x), vec2(nearGather.y, farGather.y)),
-        max(vec2(nearGather.z, farGather.z), vec2(nearGather.w, farGather.w)));
+    vec2 gatherA = BokehGatherCoC(a, vec2(nearWeights.x, farWeights.x), inverseBrightness, full);
+    vec2 gatherB = BokehGatherCoC(b, vec2(nearWeights.y, farWeights.y), inverseBrightness, full);
+    vec2 gatherC = BokehGatherCoC(c, vec2(nearWeights.z, farWeights.z), inverseBrightness, full);
+    vec2 gatherD = BokehGatherCoC(d, vec2(nearWeights.w, farWeights.w), inverseBrightness, full);
+    vec2 gatherCoC = BokehMergedGatherCoC(BokehMergedGatherCoC(gatherA, gatherB),
+        BokehMergedGatherCoC(gatherC, gatherD));
     float maxNearWeight = max(max(nearWeights.x, nearWeights.y), max(nearWeights.z, nearWeights.w));
     vec4 nearSum = vec4(0.0, 0.0, 0.0, 0.0);
     if (maxNearWeight > 0.0)
@@ -556,7 +596,8 @@ BokehPrefiltered BokehPrefilterBlock(BOKEH_TEXTURE MapSamp, vec2 middle, vec4 ti
     targets.farLayer = farSum * 0.25;
     float maxValue = BOKEH_MAX_COLOR;
     targets.layerCoCSums = min(sums * 0.25, vec4(maxValue, maxValue, maxValue, maxValue));
-    targets.gatherCoC = vec4(clamp(gatherCoC, vec2(0.0, 0.0), vec2(maxValue, maxValue)), 0.0, 1.0);
+    targets.gatherCoC = vec4(clamp(gatherCoC, vec2(-maxValue, -maxValue), vec2(maxValue,
+        maxValue)), 0.0, 1.0);
     return targets;
 }
 
@@ -585,7 +626,8 @@ BokehPrefiltered BokehPrefilter(BOKEH_TEXTURE MapSamp, BOKEH_TEXTURE DilatedTile
             targets.nearLayer += block.nearLayer;
             targets.farLayer += block.farLayer;
             targets.layerCoCSums += block.layerCoCSums;
-            targets.gatherCoC = max(targets.gatherCoC, block.gatherCoC);
+            targets.gatherCoC = vec4(BokehMergedGatherCoC(targets.gatherCoC.rg,
+                block.gatherCoC.rg), 0.0, 1.0);
         }
         targets.nearLayer *= 0.25;
         targets.farLayer *= 0.25;
@@ -595,7 +637,7 @@ BokehPrefiltered BokehPrefilter(BOKEH_TEXTURE MapSamp, BOKEH_TEXTURE DilatedTile
 }
 
 // Layers: holds what is known of the CoC of a tile, and later of the tiles around it
-//   gatherCoC     rg = the largest
+//   gatherCoC     rg = the largest, or that of a light
 //   sums          the mean of layerCoCSums
 struct BokehTileSums
 {
@@ -604,8 +646,8 @@ struct BokehTileSums
 };
 
 // Layers: reduces layerCoCSums and gatherCoC to tiles
-//   Reads both at half size, writes the mean of the first and the maximum of the second for each
-//   tile, so that the two passes after it have few texels to read.
+//   Reads both at half size. For each tile, it writes the mean of the first and what the second
+//   merges to, so that the two passes after it have few texels to read.
 BokehTileSums BokehLayerCoCReduce(BOKEH_TEXTURE SumsSamp, BOKEH_TEXTURE GatherCoCSamp,
     BokehLayerContext layers)
 {
@@ -621,7 +663,8 @@ BokehTileSums BokehLayerCoCReduce(BOKEH_TEXTURE SumsSamp, BOKEH_TEXTURE GatherCo
         {
             vec2 place = first + vec2(float(x), float(y));
             sums += BokehFetchGridTexel(SumsSamp, place, grid);
-            gatherCoC = max(gatherCoC, BokehFetchGridTexel(GatherCoCSamp, place, grid).rg);
+            gatherCoC = BokehMergedGatherCoC(gatherCoC, BokehFetchGridTexel(GatherCoCSamp, place,
+                grid).rg);
         }
     }
     BokehTileSums targets;
@@ -653,8 +696,8 @@ BokehTileSums BokehLayerCoCAlong(BOKEH_TEXTURE GatherCoCSamp, BOKEH_TEXTURE Sums
         vec2 weight = exp(-0.5 * tiles * tiles / (sigma * sigma));
         sums += BokehFetchGrid(SumsSamp, place, grid) * vec4(weight.x, weight.x, weight.y,
             weight.y);
-        gatherCoC = max(gatherCoC, BokehReaching(BokehFetchGrid(GatherCoCSamp, place, grid).rg,
-            abs(tiles)));
+        vec2 found = BokehFetchGrid(GatherCoCSamp, place, grid).rg;
+        gatherCoC = BokehMergedGatherCoC(gatherCoC, BokehGatherReaching(found, abs(tiles)));
         total += weight;
     }
     BokehTileSums targets;
@@ -664,7 +707,7 @@ BokehTileSums BokehLayerCoCAlong(BOKEH_TEXTURE GatherCoCSamp, BOKEH_TEXTURE Sums
 }
 
 // Layers: combines gatherCoC and sums of the tiles around, along rows
-//   Reads what BokehLayerCoCReduce wrote, and dilatedTiles. Writes the largest gatherCoC that
+//   Reads what BokehLayerCoCReduce wrote, and dilatedTiles. Writes the merged gatherCoC that
 //   reaches each tile, and a mean of the sums by a Gaussian with a standard deviation of 0.3 of the
 //   CoC in reach.
 BokehTileSums BokehLayerCoCRows(BOKEH_TEXTURE GatherCoCSamp, BOKEH_TEXTURE SumsSamp,
@@ -705,7 +748,7 @@ BokehLayerCoCTargets BokehLayerCoCColumns(BOKEH_TEXTURE GatherCoCSamp, BOKEH_TEX
         layerCoC = vec2(layerCoC.x, 8.0 * sums.b / sums.a);
     }
     BokehLayerCoCTargets targets;
-    targets.gatherTiles = vec4(tile, tileSums.gatherCoC.rg);
+    targets.gatherTiles = vec4(tile, abs(tileSums.gatherCoC.rg));
     targets.layerCoC = vec4(layerCoC, 0.0, 1.0);
     return targets;
 }

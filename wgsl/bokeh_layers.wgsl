@@ -126,6 +126,11 @@ const BOKEH_TUNED_SQUARE_SIDE: f32 = 0.2;
 // value, a thin bright line shows as a row of copies; a lower one costs fetches.
 const BOKEH_TUNED_RING_WIDTH: f32 = 2.75;
 
+// Around a light that is this many times as bright as the mean around it, the gather reaches only
+// as far as the light's blur does. With a higher value, a light beside something more blurred shows
+// as a ring of copies; with a lower one, that blur is cut off in more places.
+const BOKEH_TUNED_REACH_LIGHT: f32 = 16.0;
+
 // A gather of a single ring reaches at most this far, pixels. With a higher value, an edge shows as
 // a row of copies; with a lower one, blurs that are in no layer get too small.
 const BOKEH_TUNED_SINGLE_RADIUS: f32 = 6.0;
@@ -336,6 +341,25 @@ fn BokehReaching(CoC: vec2f, tiles: f32) -> vec2f
     return CoC * clamp(weight, vec2f(0.0, 0.0), vec2f(1.0, 1.0));
 }
 
+// Layers: returns the gatherCoC that applies here of another tile's, pixels
+//   A light's (below 0) applies to the tiles that its blur covers, any other as in BokehReaching.
+//   tiles         distance of the other tile
+fn BokehGatherReaching(CoC: vec2f, tiles: f32) -> vec2f
+{
+    let light: vec2f = min(CoC, vec2f(0.0, 0.0));
+    let isCovered: vec2f = clamp((0.5 - tiles - light / 16.0) * 1000000.0, vec2f(0.0, 0.0),
+        vec2f(1.0, 1.0));
+    return BokehReaching(max(CoC, vec2f(0.0, 0.0)), tiles) + light * isCovered;
+}
+
+// Layers: merges the gatherCoC of two pixels or tiles: that of a light, or else the larger one
+fn BokehMergedGatherCoC(a: vec2f, b: vec2f) -> vec2f
+{
+    let light: vec2f = min(min(a, b), vec2f(0.0, 0.0));
+    let isDark: vec2f = clamp(light * 1000000.0 + 1.0, vec2f(0.0, 0.0), vec2f(1.0, 1.0));
+    return light + max(a, b) * isDark;
+}
+
 // Layers: returns how many tiles the largest possible CoC can reach, at most 127
 fn BokehReachTiles(layers: BokehLayerContext) -> f32
 {
@@ -390,7 +414,8 @@ fn BokehBlurWeights(a: vec4f, b: vec4f, c: vec4f, d: vec4f, inverseBrightness: f
 // Layers: holds what BokehPrefilter writes
 //   nearLayer, farLayer  rgb times layer weight, layer weight
 //   layerCoCSums  for the mean CoC of both layers: CoC / 8 times weight, weight
-//   gatherCoC     rg = largest near and far CoC that is not completely in its layer, pixels
+//   gatherCoC     rg = largest near and far CoC that is not completely in its layer, pixels; that
+//                 of a light comes before any other, and is below 0
 struct BokehPrefiltered
 {
     nearLayer: vec4f,
@@ -440,10 +465,23 @@ fn BokehNearPixel(pixel: vec4f, nearWeight: f32, around: vec4f) -> vec4f
     return result;
 }
 
+// Layers: returns gatherCoC of one pixel
+//   weights       near and far layer weight of the pixel
+fn BokehGatherCoC(pixel: vec4f, weights: vec2f, inverseBrightness: f32, full: BokehGrid) -> vec2f
+{
+    let rest: vec2f = min(4.0 - 4.0 * weights, vec2f(1.0, 1.0));
+    var CoC: vec2f = max(vec2f(-pixel.a, pixel.a) * full.size.y * rest, vec2f(0.0, 0.0));
+    if (BokehBrightest(pixel.rgb) * inverseBrightness > BOKEH_TUNED_REACH_LIGHT)
+    {
+        CoC = -CoC;
+    }
+    return CoC;
+}
+
 // Layers: does the work of BokehPrefilter for 2 x 2 pixels
 //   middle        the corner that the four pixels share, pixels
 //   tile          texel of dilatedTiles that covers them
-//   returns       their mean, and the maximum for gatherCoC
+//   returns       their mean, and gatherCoC merged
 fn BokehPrefilterBlock(MapSamp: texture_2d<f32>, middle: vec2f, tile: vec4f,
     layers: BokehLayerContext) -> BokehPrefiltered
 {
@@ -465,10 +503,16 @@ fn BokehPrefilterBlock(MapSamp: texture_2d<f32>, middle: vec2f, tile: vec4f,
     var weights: vec4f = farWeights * BokehBlurWeights(a, b, c, d, inverseBrightness, maxWeight);
     let one: vec4f = vec4f(1.0, 1.0, 1.0, 1.0);
     var sums: vec4f = vec4f(0.0, 0.0, dot(weights, s) / 8.0, dot(weights, one));
-    let nearGather: vec4f = -s * min(4.0 - 4.0 * nearWeights, one);
-    let farGather: vec4f = s * min(4.0 - 4.0 * farWeights, one);
-    let gatherCoC: vec2f = max(max(vec2f(nearGather.x, farGather.x), vec2f(nearGather.y,
-        farGather.y)), max(vec2f(nearGather.z, farGather.z), vec2f(nearGather.w, farGather.w)));
+    let gatherA: vec2f = BokehGatherCoC(a, vec2f(nearWeights.x, farWeights.x), inverseBrightness,
+        full);
+    let gatherB: vec2f = BokehGatherCoC(b, vec2f(nearWeights.y, farWeights.y), inverseBrightness,
+        full);
+    let gatherC: vec2f = BokehGatherCoC(c, vec2f(nearWeights.z, farWeights.z), inverseBrightness,
+        full);
+    let gatherD: vec2f = BokehGatherCoC(d, vec2f(nearWeights.w, farWeights.w), inverseBrightness,
+        full);
+    let gatherCoC: vec2f = BokehMergedGatherCoC(BokehMergedGatherCoC(gatherA, gatherB),
+        BokehMergedGatherCoC(gatherC, gatherD));
     let maxNearWeight: f32 = max(max(nearWeights.x, nearWeights.y), max(nearWeights.z,
         nearWeights.w));
     var nearSum: vec4f = vec4f(0.0, 0.0, 0.0, 0.0);
@@ -510,8 +554,8 @@ fn BokehPrefilterBlock(MapSamp: texture_2d<f32>, middle: vec2f, tile: vec4f,
     targets.farLayer = farSum * 0.25;
     let maxValue: f32 = BOKEH_MAX_COLOR;
     targets.layerCoCSums = min(sums * 0.25, vec4f(maxValue, maxValue, maxValue, maxValue));
-    targets.gatherCoC = vec4f(clamp(gatherCoC, vec2f(0.0, 0.0), vec2f(maxValue, maxValue)), 0.0,
-        1.0);
+    targets.gatherCoC = vec4f(clamp(gatherCoC, vec2f(-maxValue, -maxValue), vec2f(maxValue,
+        maxValue)), 0.0, 1.0);
     return targets;
 }
 
@@ -542,7 +586,8 @@ fn BokehPrefilter(MapSamp: texture_2d<f32>, DilatedTilesSamp: texture_2d<f32>,
             targets.nearLayer += block.nearLayer;
             targets.farLayer += block.farLayer;
             targets.layerCoCSums += block.layerCoCSums;
-            targets.gatherCoC = max(targets.gatherCoC, block.gatherCoC);
+            targets.gatherCoC = vec4f(BokehMergedGatherCoC(targets.gatherCoC.rg,
+                block.gatherCoC.rg), 0.0, 1.0);
         }
         targets.nearLayer *= 0.25;
         targets.farLayer *= 0.25;
@@ -552,7 +597,7 @@ fn BokehPrefilter(MapSamp: texture_2d<f32>, DilatedTilesSamp: texture_2d<f32>,
 }
 
 // Layers: holds what is known of the CoC of a tile, and later of the tiles around it
-//   gatherCoC     rg = the largest
+//   gatherCoC     rg = the largest, or that of a light
 //   sums          the mean of layerCoCSums
 struct BokehTileSums
 {
@@ -561,8 +606,8 @@ struct BokehTileSums
 }
 
 // Layers: reduces layerCoCSums and gatherCoC to tiles
-//   Reads both at half size, writes the mean of the first and the maximum of the second for each
-//   tile, so that the two passes after it have few texels to read.
+//   Reads both at half size. For each tile, it writes the mean of the first and what the second
+//   merges to, so that the two passes after it have few texels to read.
 fn BokehLayerCoCReduce(SumsSamp: texture_2d<f32>, GatherCoCSamp: texture_2d<f32>,
     layers: BokehLayerContext) -> BokehTileSums
 {
@@ -578,7 +623,8 @@ fn BokehLayerCoCReduce(SumsSamp: texture_2d<f32>, GatherCoCSamp: texture_2d<f32>
         {
             let place: vec2f = first + vec2f(f32(x), f32(y));
             sums += BokehFetchGridTexel(SumsSamp, place, grid);
-            gatherCoC = max(gatherCoC, BokehFetchGridTexel(GatherCoCSamp, place, grid).rg);
+            gatherCoC = BokehMergedGatherCoC(gatherCoC, BokehFetchGridTexel(GatherCoCSamp, place,
+                grid).rg);
         }
     }
     var targets: BokehTileSums;
@@ -612,8 +658,8 @@ fn BokehLayerCoCAlong(GatherCoCSamp: texture_2d<f32>, SumsSamp: texture_2d<f32>,
         let weight: vec2f = exp(-0.5 * tiles * tiles / (sigma * sigma));
         sums += BokehFetchGrid(SumsSamp, place, grid, BokehLinearClamp) * vec4f(weight.x, weight.x,
             weight.y, weight.y);
-        gatherCoC = max(gatherCoC, BokehReaching(BokehFetchGrid(GatherCoCSamp, place, grid,
-            BokehLinearClamp).rg, abs(tiles)));
+        let found: vec2f = BokehFetchGrid(GatherCoCSamp, place, grid, BokehLinearClamp).rg;
+        gatherCoC = BokehMergedGatherCoC(gatherCoC, BokehGatherReaching(found, abs(tiles)));
         total += weight;
     }
     var targets: BokehTileSums;
@@ -623,7 +669,7 @@ fn BokehLayerCoCAlong(GatherCoCSamp: texture_2d<f32>, SumsSamp: texture_2d<f32>,
 }
 
 // Layers: combines gatherCoC and sums of the tiles around, along rows
-//   Reads what BokehLayerCoCReduce wrote, and dilatedTiles. Writes the largest gatherCoC that
+//   Reads what BokehLayerCoCReduce wrote, and dilatedTiles. Writes the merged gatherCoC that
 //   reaches each tile, and a mean of the sums by a Gaussian with a standard deviation of 0.3 of the
 //   CoC in reach.
 fn BokehLayerCoCRows(GatherCoCSamp: texture_2d<f32>, SumsSamp: texture_2d<f32>,
@@ -668,7 +714,7 @@ fn BokehLayerCoCColumns(GatherCoCSamp: texture_2d<f32>, SumsSamp: texture_2d<f32
         layerCoC = vec2f(layerCoC.x, 8.0 * sums.b / sums.a);
     }
     var targets: BokehLayerCoCTargets;
-    targets.gatherTiles = vec4f(tile, tileSums.gatherCoC.rg);
+    targets.gatherTiles = vec4f(tile, abs(tileSums.gatherCoC.rg));
     targets.layerCoC = vec4f(layerCoC, 0.0, 1.0);
     return targets;
 }

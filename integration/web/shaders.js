@@ -642,6 +642,14 @@ return vec4(min(found.r,BOKEH_MAX_COLOR),min(found.g,BOKEH_MAX_COLOR),found.b/64
 vec2 BokehReaching(vec2 CoC,float tiles){
 vec2 weight=CoC/16.+1.-max(tiles-2.,0.);
 return CoC*clamp(weight,vec2(0.),vec2(1.));}
+vec2 BokehGatherReaching(vec2 CoC,float tiles){
+vec2 light=min(CoC,vec2(0.));
+vec2 isCovered=clamp((.5-tiles-light/16.)*1000000.,vec2(0.),vec2(1.));
+return BokehReaching(max(CoC,vec2(0.)),tiles)+light*isCovered;}
+vec2 BokehMergedGatherCoC(vec2 a,vec2 b){
+vec2 light=min(min(a,b),vec2(0.));
+vec2 isDark=clamp(light*1000000.+1.,vec2(0.),vec2(1.));
+return light+max(a,b)*isDark;}
 float BokehReachTiles(BokehLayerContext layers){
 return min(ceil(layers.largest/16.)+2.,127.);}
 vec4 BokehTileDilate(sampler2D TilesSamp,vec2 axis,BokehLayerContext layers){
@@ -682,6 +690,12 @@ result=vec4(min(pixel.rgb,around.rgb),nearWeight);
 if(brightest>limit){
 result=vec4(result.rgb,nearWeight*(around.a-brightest)/(around.a-limit));}}
 return result;}
+vec2 BokehGatherCoC(vec4 pixel,vec2 weights,float inverseBrightness,BokehGrid full){
+vec2 rest=min(4.-4.*weights,vec2(1.));
+vec2 CoC=max(vec2(-pixel.a,pixel.a)*full.size.y*rest,vec2(0.));
+if(BokehBrightest(pixel.rgb)*inverseBrightness>16.){
+CoC = -CoC;}
+return CoC;}
 BokehPrefiltered BokehPrefilterBlock(sampler2D MapSamp,vec2 middle,vec4 tile,BokehLayerContext layers){
 BokehGrid full=BokehFullGrid(layers);
 float nearSlope=BokehNearSlope(tile.r);
@@ -699,9 +713,11 @@ vec4 farSum=vec4(a.rgb,1.)*farWeights.x+vec4(b.rgb,1.)*farWeights.y+vec4(c.rgb,1
 vec4 weights=farWeights*BokehBlurWeights(a,b,c,d,inverseBrightness,maxWeight);
 vec4 one=vec4(1.);
 vec4 sums=vec4(0.,0.,dot(weights,s)/8.,dot(weights,one));
-vec4 nearGather = -s*min(4.-4.*nearWeights,one);
-vec4 farGather=s*min(4.-4.*farWeights,one);
-vec2 gatherCoC=max(max(vec2(nearGather.x,farGather.x),vec2(nearGather.y,farGather.y)),max(vec2(nearGather.z,farGather.z),vec2(nearGather.w,farGather.w)));
+vec2 gatherA=BokehGatherCoC(a,vec2(nearWeights.x,farWeights.x),inverseBrightness,full);
+vec2 gatherB=BokehGatherCoC(b,vec2(nearWeights.y,farWeights.y),inverseBrightness,full);
+vec2 gatherC=BokehGatherCoC(c,vec2(nearWeights.z,farWeights.z),inverseBrightness,full);
+vec2 gatherD=BokehGatherCoC(d,vec2(nearWeights.w,farWeights.w),inverseBrightness,full);
+vec2 gatherCoC=BokehMergedGatherCoC(BokehMergedGatherCoC(gatherA,gatherB),BokehMergedGatherCoC(gatherC,gatherD));
 float maxNearWeight=max(max(nearWeights.x,nearWeights.y),max(nearWeights.z,nearWeights.w));
 vec4 nearSum=vec4(0.);
 if(maxNearWeight>0.){
@@ -728,7 +744,7 @@ targets.nearLayer=nearSum*.25;
 targets.farLayer=farSum*.25;
 float maxValue=BOKEH_MAX_COLOR;
 targets.layerCoCSums=min(sums*.25,vec4(maxValue,maxValue,maxValue,maxValue));
-targets.gatherCoC=vec4(clamp(gatherCoC,vec2(0.),vec2(maxValue,maxValue)),0.,1.);
+targets.gatherCoC=vec4(clamp(gatherCoC,vec2(-maxValue,-maxValue),vec2(maxValue,maxValue)),0.,1.);
 return targets;}
 BokehPrefiltered BokehPrefilter(sampler2D MapSamp,sampler2D DilatedTilesSamp,BokehLayerContext layers){
 BokehGrid grid=BokehLayerGrid(layers);
@@ -744,7 +760,7 @@ BokehPrefiltered block=BokehPrefilterBlock(MapSamp,middle,tile,layers);
 targets.nearLayer+=block.nearLayer;
 targets.farLayer+=block.farLayer;
 targets.layerCoCSums+=block.layerCoCSums;
-targets.gatherCoC=max(targets.gatherCoC,block.gatherCoC);}
+targets.gatherCoC=vec4(BokehMergedGatherCoC(targets.gatherCoC.rg,block.gatherCoC.rg),0.,1.);}
 targets.nearLayer*=.25;
 targets.farLayer*=.25;
 targets.layerCoCSums*=.25;}
@@ -763,7 +779,7 @@ for(int y=0;y<texels;y++){
 for(int x=0;x<texels;x++){
 vec2 place=first+vec2(float(x),float(y));
 sums+=BokehFetchGridTexel(SumsSamp,place,grid);
-gatherCoC=max(gatherCoC,BokehFetchGridTexel(GatherCoCSamp,place,grid).rg);}}
+gatherCoC=BokehMergedGatherCoC(gatherCoC,BokehFetchGridTexel(GatherCoCSamp,place,grid).rg);}}
 BokehTileSums targets;
 targets.gatherCoC=vec4(gatherCoC,0.,1.);
 targets.sums=sums/float(texels*texels);
@@ -783,7 +799,8 @@ break;}
 vec2 place=layers.uv*grid.size+axis*tiles;
 vec2 weight=exp(-.5*tiles*tiles/(sigma*sigma));
 sums+=BokehFetchGrid(SumsSamp,place,grid)*vec4(weight.x,weight.x,weight.y,weight.y);
-gatherCoC=max(gatherCoC,BokehReaching(BokehFetchGrid(GatherCoCSamp,place,grid).rg,abs(tiles)));
+vec2 found=BokehFetchGrid(GatherCoCSamp,place,grid).rg;
+gatherCoC=BokehMergedGatherCoC(gatherCoC,BokehGatherReaching(found,abs(tiles)));
 total+=weight;}
 BokehTileSums targets;
 targets.gatherCoC=vec4(gatherCoC,0.,1.);
@@ -806,7 +823,7 @@ layerCoC=vec2(8.*sums.r/sums.g,0.);}
 if(sums.a>.0001&&tile.g>10.){
 layerCoC=vec2(layerCoC.x,8.*sums.b/sums.a);}
 BokehLayerCoCTargets targets;
-targets.gatherTiles=vec4(tile,tileSums.gatherCoC.rg);
+targets.gatherTiles=vec4(tile,abs(tileSums.gatherCoC.rg));
 targets.layerCoC=vec4(layerCoC,0.,1.);
 return targets;}
 vec2 BokehLayerCoC(sampler2D LayerCoCSamp,BokehLayerContext layers){
@@ -1885,6 +1902,14 @@ return vec4f(min(found.r,BOKEH_MAX_COLOR),min(found.g,BOKEH_MAX_COLOR),found.b/6
 fn BokehReaching(CoC:vec2f,tiles:f32)->vec2f{
 let weight=CoC/16.+1.-max(tiles-2.,0.);
 return CoC*clamp(weight,vec2f(0.),vec2f(1.));}
+fn BokehGatherReaching(CoC:vec2f,tiles:f32)->vec2f{
+let light=min(CoC,vec2f(0.));
+let isCovered=clamp((.5-tiles-light/16.)*1000000.,vec2f(0.),vec2f(1.));
+return BokehReaching(max(CoC,vec2f(0.)),tiles)+light*isCovered;}
+fn BokehMergedGatherCoC(a:vec2f,b:vec2f)->vec2f{
+let light=min(min(a,b),vec2f(0.));
+let isDark=clamp(light*1000000.+1.,vec2f(0.),vec2f(1.));
+return light+max(a,b)*isDark;}
 fn BokehReachTiles(layers:BokehLayerContext)->f32{
 return min(ceil(layers.largest/16.)+2.,127.);}
 fn BokehTileDilate(TilesSamp:texture_2d<f32>,axis:vec2f,layers:BokehLayerContext,BokehLinearClamp:sampler)->vec4f{
@@ -1921,6 +1946,12 @@ result=vec4f(min(pixel.rgb,around.rgb),nearWeight);
 if(brightest>limit){
 result=vec4f(result.rgb,nearWeight*(around.a-brightest)/(around.a-limit));}}
 return result;}
+fn BokehGatherCoC(pixel:vec4f,weights:vec2f,inverseBrightness:f32,full:BokehGrid)->vec2f{
+let rest=min(4.-4.*weights,vec2f(1.));
+var CoC=max(vec2f(-pixel.a,pixel.a)*full.size.y*rest,vec2f(0.));
+if(BokehBrightest(pixel.rgb)*inverseBrightness>16.){
+CoC = -CoC;}
+return CoC;}
 fn BokehPrefilterBlock(MapSamp:texture_2d<f32>,middle:vec2f,tile:vec4f,layers:BokehLayerContext)->BokehPrefiltered{
 let full=BokehFullGrid(layers);
 let nearSlope=BokehNearSlope(tile.r);
@@ -1938,9 +1969,11 @@ let farSum=vec4f(a.rgb,1.)*farWeights.x+vec4f(b.rgb,1.)*farWeights.y+vec4f(c.rgb
 var weights=farWeights*BokehBlurWeights(a,b,c,d,inverseBrightness,maxWeight);
 let one=vec4f(1.);
 var sums=vec4f(0.,0.,dot(weights,s)/8.,dot(weights,one));
-let nearGather = -s*min(4.-4.*nearWeights,one);
-let farGather=s*min(4.-4.*farWeights,one);
-let gatherCoC=max(max(vec2f(nearGather.x,farGather.x),vec2f(nearGather.y,farGather.y)),max(vec2f(nearGather.z,farGather.z),vec2f(nearGather.w,farGather.w)));
+let gatherA=BokehGatherCoC(a,vec2f(nearWeights.x,farWeights.x),inverseBrightness,full);
+let gatherB=BokehGatherCoC(b,vec2f(nearWeights.y,farWeights.y),inverseBrightness,full);
+let gatherC=BokehGatherCoC(c,vec2f(nearWeights.z,farWeights.z),inverseBrightness,full);
+let gatherD=BokehGatherCoC(d,vec2f(nearWeights.w,farWeights.w),inverseBrightness,full);
+let gatherCoC=BokehMergedGatherCoC(BokehMergedGatherCoC(gatherA,gatherB),BokehMergedGatherCoC(gatherC,gatherD));
 let maxNearWeight=max(max(nearWeights.x,nearWeights.y),max(nearWeights.z,nearWeights.w));
 var nearSum=vec4f(0.);
 if(maxNearWeight>0.){
@@ -1967,7 +2000,7 @@ targets.nearLayer=nearSum*.25;
 targets.farLayer=farSum*.25;
 let maxValue=BOKEH_MAX_COLOR;
 targets.layerCoCSums=min(sums*.25,vec4f(maxValue,maxValue,maxValue,maxValue));
-targets.gatherCoC=vec4f(clamp(gatherCoC,vec2f(0.),vec2f(maxValue,maxValue)),0.,1.);
+targets.gatherCoC=vec4f(clamp(gatherCoC,vec2f(-maxValue,-maxValue),vec2f(maxValue,maxValue)),0.,1.);
 return targets;}
 fn BokehPrefilter(MapSamp:texture_2d<f32>,DilatedTilesSamp:texture_2d<f32>,layers:BokehLayerContext,BokehLinearClamp:sampler)->BokehPrefiltered{
 let grid=BokehLayerGrid(layers);
@@ -1983,7 +2016,7 @@ let block=BokehPrefilterBlock(MapSamp,middle,tile,layers);
 targets.nearLayer+=block.nearLayer;
 targets.farLayer+=block.farLayer;
 targets.layerCoCSums+=block.layerCoCSums;
-targets.gatherCoC=max(targets.gatherCoC,block.gatherCoC);}
+targets.gatherCoC=vec4f(BokehMergedGatherCoC(targets.gatherCoC.rg,block.gatherCoC.rg),0.,1.);}
 targets.nearLayer*=.25;
 targets.farLayer*=.25;
 targets.layerCoCSums*=.25;}
@@ -2000,7 +2033,7 @@ for(var y=0;y<texels;y++){
 for(var x=0;x<texels;x++){
 let place=first+vec2f(f32(x),f32(y));
 sums+=BokehFetchGridTexel(SumsSamp,place,grid);
-gatherCoC=max(gatherCoC,BokehFetchGridTexel(GatherCoCSamp,place,grid).rg);}}
+gatherCoC=BokehMergedGatherCoC(gatherCoC,BokehFetchGridTexel(GatherCoCSamp,place,grid).rg);}}
 var targets:BokehTileSums;
 targets.gatherCoC=vec4f(gatherCoC,0.,1.);
 targets.sums=sums/f32(texels*texels);
@@ -2020,7 +2053,8 @@ break;}
 let place=layers.uv*grid.size+axis*tiles;
 let weight=exp(-.5*tiles*tiles/(sigma*sigma));
 sums+=BokehFetchGrid(SumsSamp,place,grid,BokehLinearClamp)*vec4f(weight.x,weight.x,weight.y,weight.y);
-gatherCoC=max(gatherCoC,BokehReaching(BokehFetchGrid(GatherCoCSamp,place,grid,BokehLinearClamp).rg,abs(tiles)));
+let found=BokehFetchGrid(GatherCoCSamp,place,grid,BokehLinearClamp).rg;
+gatherCoC=BokehMergedGatherCoC(gatherCoC,BokehGatherReaching(found,abs(tiles)));
 total+=weight;}
 var targets:BokehTileSums;
 targets.gatherCoC=vec4f(gatherCoC,0.,1.);
@@ -2041,7 +2075,7 @@ layerCoC=vec2f(8.*sums.r/sums.g,0.);}
 if(sums.a>.0001&&tile.g>10.){
 layerCoC=vec2f(layerCoC.x,8.*sums.b/sums.a);}
 var targets:BokehLayerCoCTargets;
-targets.gatherTiles=vec4f(tile,tileSums.gatherCoC.rg);
+targets.gatherTiles=vec4f(tile,abs(tileSums.gatherCoC.rg));
 targets.layerCoC=vec4f(layerCoC,0.,1.);
 return targets;}
 fn BokehLayerCoC(LayerCoCSamp:texture_2d<f32>,layers:BokehLayerContext,BokehLinearClamp:sampler)->vec2f{

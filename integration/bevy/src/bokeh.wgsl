@@ -810,6 +810,7 @@ const BOKEH_TUNED_FAR_QUARTER: f32 = 1.15;
 const BOKEH_TUNED_HEXAGON_SIDE: f32 = 0.4;
 const BOKEH_TUNED_SQUARE_SIDE: f32 = 0.2;
 const BOKEH_TUNED_RING_WIDTH: f32 = 2.75;
+const BOKEH_TUNED_REACH_LIGHT: f32 = 16.0;
 const BOKEH_TUNED_SINGLE_RADIUS: f32 = 6.0;
 const BOKEH_TUNED_RING_POSITION: f32 = 0.58;
 const BOKEH_TUNED_RING_STEP: f32 = 0.04;
@@ -938,6 +939,19 @@ fn BokehReaching(CoC: vec2f, tiles: f32) -> vec2f
 let weight: vec2f = CoC / 16.0 + 1.0 - max(tiles - 2.0, 0.0);
 return CoC * clamp(weight, vec2f(0.0, 0.0), vec2f(1.0, 1.0));
 }
+fn BokehGatherReaching(CoC: vec2f, tiles: f32) -> vec2f
+{
+let light: vec2f = min(CoC, vec2f(0.0, 0.0));
+let isCovered: vec2f = clamp((0.5 - tiles - light / 16.0) * 1000000.0, vec2f(0.0, 0.0),
+vec2f(1.0, 1.0));
+return BokehReaching(max(CoC, vec2f(0.0, 0.0)), tiles) + light * isCovered;
+}
+fn BokehMergedGatherCoC(a: vec2f, b: vec2f) -> vec2f
+{
+let light: vec2f = min(min(a, b), vec2f(0.0, 0.0));
+let isDark: vec2f = clamp(light * 1000000.0 + 1.0, vec2f(0.0, 0.0), vec2f(1.0, 1.0));
+return light + max(a, b) * isDark;
+}
 fn BokehReachTiles(layers: BokehLayerContext) -> f32
 {
 return min(ceil(layers.largest / 16.0) + 2.0, 127.0);
@@ -1006,6 +1020,16 @@ result = vec4f(result.rgb, nearWeight * (around.a - brightest) / (around.a - lim
 }
 return result;
 }
+fn BokehGatherCoC(pixel: vec4f, weights: vec2f, inverseBrightness: f32, full: BokehGrid) -> vec2f
+{
+let rest: vec2f = min(4.0 - 4.0 * weights, vec2f(1.0, 1.0));
+var CoC: vec2f = max(vec2f(-pixel.a, pixel.a) * full.size.y * rest, vec2f(0.0, 0.0));
+if (BokehBrightest(pixel.rgb) * inverseBrightness > BOKEH_TUNED_REACH_LIGHT)
+{
+CoC = -CoC;
+}
+return CoC;
+}
 fn BokehPrefilterBlock(MapSamp: texture_2d<f32>, middle: vec2f, tile: vec4f,
 layers: BokehLayerContext) -> BokehPrefiltered
 {
@@ -1026,10 +1050,16 @@ vec4f(c.rgb, 1.0) * farWeights.z + vec4f(d.rgb, 1.0) * farWeights.w;
 var weights: vec4f = farWeights * BokehBlurWeights(a, b, c, d, inverseBrightness, maxWeight);
 let one: vec4f = vec4f(1.0, 1.0, 1.0, 1.0);
 var sums: vec4f = vec4f(0.0, 0.0, dot(weights, s) / 8.0, dot(weights, one));
-let nearGather: vec4f = -s * min(4.0 - 4.0 * nearWeights, one);
-let farGather: vec4f = s * min(4.0 - 4.0 * farWeights, one);
-let gatherCoC: vec2f = max(max(vec2f(nearGather.x, farGather.x), vec2f(nearGather.y,
-farGather.y)), max(vec2f(nearGather.z, farGather.z), vec2f(nearGather.w, farGather.w)));
+let gatherA: vec2f = BokehGatherCoC(a, vec2f(nearWeights.x, farWeights.x), inverseBrightness,
+full);
+let gatherB: vec2f = BokehGatherCoC(b, vec2f(nearWeights.y, farWeights.y), inverseBrightness,
+full);
+let gatherC: vec2f = BokehGatherCoC(c, vec2f(nearWeights.z, farWeights.z), inverseBrightness,
+full);
+let gatherD: vec2f = BokehGatherCoC(d, vec2f(nearWeights.w, farWeights.w), inverseBrightness,
+full);
+let gatherCoC: vec2f = BokehMergedGatherCoC(BokehMergedGatherCoC(gatherA, gatherB),
+BokehMergedGatherCoC(gatherC, gatherD));
 let maxNearWeight: f32 = max(max(nearWeights.x, nearWeights.y), max(nearWeights.z,
 nearWeights.w));
 var nearSum: vec4f = vec4f(0.0, 0.0, 0.0, 0.0);
@@ -1068,8 +1098,8 @@ targets.nearLayer = nearSum * 0.25;
 targets.farLayer = farSum * 0.25;
 let maxValue: f32 = BOKEH_MAX_COLOR;
 targets.layerCoCSums = min(sums * 0.25, vec4f(maxValue, maxValue, maxValue, maxValue));
-targets.gatherCoC = vec4f(clamp(gatherCoC, vec2f(0.0, 0.0), vec2f(maxValue, maxValue)), 0.0,
-1.0);
+targets.gatherCoC = vec4f(clamp(gatherCoC, vec2f(-maxValue, -maxValue), vec2f(maxValue,
+maxValue)), 0.0, 1.0);
 return targets;
 }
 fn BokehPrefilter(MapSamp: texture_2d<f32>, DilatedTilesSamp: texture_2d<f32>,
@@ -1093,7 +1123,8 @@ layers);
 targets.nearLayer += block.nearLayer;
 targets.farLayer += block.farLayer;
 targets.layerCoCSums += block.layerCoCSums;
-targets.gatherCoC = max(targets.gatherCoC, block.gatherCoC);
+targets.gatherCoC = vec4f(BokehMergedGatherCoC(targets.gatherCoC.rg,
+block.gatherCoC.rg), 0.0, 1.0);
 }
 targets.nearLayer *= 0.25;
 targets.farLayer *= 0.25;
@@ -1120,7 +1151,8 @@ for (var x: i32 = 0; x < texels; x++)
 {
 let place: vec2f = first + vec2f(f32(x), f32(y));
 sums += BokehFetchGridTexel(SumsSamp, place, grid);
-gatherCoC = max(gatherCoC, BokehFetchGridTexel(GatherCoCSamp, place, grid).rg);
+gatherCoC = BokehMergedGatherCoC(gatherCoC, BokehFetchGridTexel(GatherCoCSamp, place,
+grid).rg);
 }
 }
 var targets: BokehTileSums;
@@ -1151,8 +1183,8 @@ let place: vec2f = layers.uv * grid.size + axis * tiles;
 let weight: vec2f = exp(-0.5 * tiles * tiles / (sigma * sigma));
 sums += BokehFetchGrid(SumsSamp, place, grid, BokehLinearClamp) * vec4f(weight.x, weight.x,
 weight.y, weight.y);
-gatherCoC = max(gatherCoC, BokehReaching(BokehFetchGrid(GatherCoCSamp, place, grid,
-BokehLinearClamp).rg, abs(tiles)));
+let found: vec2f = BokehFetchGrid(GatherCoCSamp, place, grid, BokehLinearClamp).rg;
+gatherCoC = BokehMergedGatherCoC(gatherCoC, BokehGatherReaching(found, abs(tiles)));
 total += weight;
 }
 var targets: BokehTileSums;
@@ -1192,7 +1224,7 @@ if (sums.a > 0.0001 && tile.g > BOKEH_TUNED_FAR_START)
 layerCoC = vec2f(layerCoC.x, 8.0 * sums.b / sums.a);
 }
 var targets: BokehLayerCoCTargets;
-targets.gatherTiles = vec4f(tile, tileSums.gatherCoC.rg);
+targets.gatherTiles = vec4f(tile, abs(tileSums.gatherCoC.rg));
 targets.layerCoC = vec4f(layerCoC, 0.0, 1.0);
 return targets;
 }

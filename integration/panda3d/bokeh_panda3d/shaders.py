@@ -925,6 +925,7 @@ return BokehResolve(color, totalWeight, centerPixel, blurCoC);
 #define BOKEH_TUNED_HEXAGON_SIDE 0.4
 #define BOKEH_TUNED_SQUARE_SIDE 0.2
 #define BOKEH_TUNED_RING_WIDTH 2.75
+#define BOKEH_TUNED_REACH_LIGHT 16.0
 #define BOKEH_TUNED_SINGLE_RADIUS 6.0
 #define BOKEH_TUNED_RING_POSITION 0.58
 #define BOKEH_TUNED_RING_STEP 0.04
@@ -1051,6 +1052,19 @@ vec2 BokehReaching(vec2 CoC, float tiles)
 vec2 weight = CoC / 16.0 + 1.0 - max(tiles - 2.0, 0.0);
 return CoC * clamp(weight, vec2(0.0, 0.0), vec2(1.0, 1.0));
 }
+vec2 BokehGatherReaching(vec2 CoC, float tiles)
+{
+vec2 light = min(CoC, vec2(0.0, 0.0));
+vec2 isCovered = clamp((0.5 - tiles - light / 16.0) * 1000000.0, vec2(0.0, 0.0),
+vec2(1.0, 1.0));
+return BokehReaching(max(CoC, vec2(0.0, 0.0)), tiles) + light * isCovered;
+}
+vec2 BokehMergedGatherCoC(vec2 a, vec2 b)
+{
+vec2 light = min(min(a, b), vec2(0.0, 0.0));
+vec2 isDark = clamp(light * 1000000.0 + 1.0, vec2(0.0, 0.0), vec2(1.0, 1.0));
+return light + max(a, b) * isDark;
+}
 float BokehReachTiles(BokehLayerContext layers)
 {
 return min(ceil(layers.largest / 16.0) + 2.0, 127.0);
@@ -1116,6 +1130,16 @@ result = vec4(result.rgb, nearWeight * (around.a - brightest) / (around.a - limi
 }
 return result;
 }
+vec2 BokehGatherCoC(vec4 pixel, vec2 weights, float inverseBrightness, BokehGrid full)
+{
+vec2 rest = min(4.0 - 4.0 * weights, vec2(1.0, 1.0));
+vec2 CoC = max(vec2(-pixel.a, pixel.a) * full.size.y * rest, vec2(0.0, 0.0));
+if (BokehBrightest(pixel.rgb) * inverseBrightness > BOKEH_TUNED_REACH_LIGHT)
+{
+CoC = -CoC;
+}
+return CoC;
+}
 BokehPrefiltered BokehPrefilterBlock(BOKEH_TEXTURE MapSamp, vec2 middle, vec4 tile,
 BokehLayerContext layers)
 {
@@ -1136,10 +1160,12 @@ vec4 farSum = vec4(a.rgb, 1.0) * farWeights.x + vec4(b.rgb, 1.0) * farWeights.y 
 vec4 weights = farWeights * BokehBlurWeights(a, b, c, d, inverseBrightness, maxWeight);
 vec4 one = vec4(1.0, 1.0, 1.0, 1.0);
 vec4 sums = vec4(0.0, 0.0, dot(weights, s) / 8.0, dot(weights, one));
-vec4 nearGather = -s * min(4.0 - 4.0 * nearWeights, one);
-vec4 farGather = s * min(4.0 - 4.0 * farWeights, one);
-vec2 gatherCoC = max(max(vec2(nearGather.x, farGather.x), vec2(nearGather.y, farGather.y)),
-max(vec2(nearGather.z, farGather.z), vec2(nearGather.w, farGather.w)));
+vec2 gatherA = BokehGatherCoC(a, vec2(nearWeights.x, farWeights.x), inverseBrightness, full);
+vec2 gatherB = BokehGatherCoC(b, vec2(nearWeights.y, farWeights.y), inverseBrightness, full);
+vec2 gatherC = BokehGatherCoC(c, vec2(nearWeights.z, farWeights.z), inverseBrightness, full);
+vec2 gatherD = BokehGatherCoC(d, vec2(nearWeights.w, farWeights.w), inverseBrightness, full);
+vec2 gatherCoC = BokehMergedGatherCoC(BokehMergedGatherCoC(gatherA, gatherB),
+BokehMergedGatherCoC(gatherC, gatherD));
 float maxNearWeight = max(max(nearWeights.x, nearWeights.y), max(nearWeights.z, nearWeights.w));
 vec4 nearSum = vec4(0.0, 0.0, 0.0, 0.0);
 if (maxNearWeight > 0.0)
@@ -1177,7 +1203,8 @@ targets.nearLayer = nearSum * 0.25;
 targets.farLayer = farSum * 0.25;
 float maxValue = BOKEH_MAX_COLOR;
 targets.layerCoCSums = min(sums * 0.25, vec4(maxValue, maxValue, maxValue, maxValue));
-targets.gatherCoC = vec4(clamp(gatherCoC, vec2(0.0, 0.0), vec2(maxValue, maxValue)), 0.0, 1.0);
+targets.gatherCoC = vec4(clamp(gatherCoC, vec2(-maxValue, -maxValue), vec2(maxValue,
+maxValue)), 0.0, 1.0);
 return targets;
 }
 BokehPrefiltered BokehPrefilter(BOKEH_TEXTURE MapSamp, BOKEH_TEXTURE DilatedTilesSamp,
@@ -1199,7 +1226,8 @@ layers);
 targets.nearLayer += block.nearLayer;
 targets.farLayer += block.farLayer;
 targets.layerCoCSums += block.layerCoCSums;
-targets.gatherCoC = max(targets.gatherCoC, block.gatherCoC);
+targets.gatherCoC = vec4(BokehMergedGatherCoC(targets.gatherCoC.rg,
+block.gatherCoC.rg), 0.0, 1.0);
 }
 targets.nearLayer *= 0.25;
 targets.farLayer *= 0.25;
@@ -1226,7 +1254,8 @@ for (int x = 0; x < texels; x++)
 {
 vec2 place = first + vec2(float(x), float(y));
 sums += BokehFetchGridTexel(SumsSamp, place, grid);
-gatherCoC = max(gatherCoC, BokehFetchGridTexel(GatherCoCSamp, place, grid).rg);
+gatherCoC = BokehMergedGatherCoC(gatherCoC, BokehFetchGridTexel(GatherCoCSamp, place,
+grid).rg);
 }
 }
 BokehTileSums targets;
@@ -1255,8 +1284,8 @@ vec2 place = layers.uv * grid.size + axis * tiles;
 vec2 weight = exp(-0.5 * tiles * tiles / (sigma * sigma));
 sums += BokehFetchGrid(SumsSamp, place, grid) * vec4(weight.x, weight.x, weight.y,
 weight.y);
-gatherCoC = max(gatherCoC, BokehReaching(BokehFetchGrid(GatherCoCSamp, place, grid).rg,
-abs(tiles)));
+vec2 found = BokehFetchGrid(GatherCoCSamp, place, grid).rg;
+gatherCoC = BokehMergedGatherCoC(gatherCoC, BokehGatherReaching(found, abs(tiles)));
 total += weight;
 }
 BokehTileSums targets;
@@ -1292,7 +1321,7 @@ if (sums.a > 0.0001 && tile.g > BOKEH_TUNED_FAR_START)
 layerCoC = vec2(layerCoC.x, 8.0 * sums.b / sums.a);
 }
 BokehLayerCoCTargets targets;
-targets.gatherTiles = vec4(tile, tileSums.gatherCoC.rg);
+targets.gatherTiles = vec4(tile, abs(tileSums.gatherCoC.rg));
 targets.layerCoC = vec4(layerCoC, 0.0, 1.0);
 return targets;
 }

@@ -179,6 +179,11 @@
 // value, a thin bright line shows as a row of copies; a lower one costs fetches.
 #define BOKEH_TUNED_RING_WIDTH 2.75
 
+// Around a light that is this many times as bright as the mean around it, the gather reaches only
+// as far as the light's blur does. With a higher value, a light beside something more blurred shows
+// as a ring of copies; with a lower one, that blur is cut off in more places.
+#define BOKEH_TUNED_REACH_LIGHT 16.0
+
 // A gather of a single ring reaches at most this far, pixels. With a higher value, an edge shows as
 // a row of copies; with a lower one, blurs that are in no layer get too small.
 #define BOKEH_TUNED_SINGLE_RADIUS 6.0
@@ -389,6 +394,25 @@ float2 BokehReaching(float2 CoC, float tiles)
     return CoC * clamp(weight, float2(0.0, 0.0), float2(1.0, 1.0));
 }
 
+// Layers: returns the gatherCoC that applies here of another tile's, pixels
+//   A light's (below 0) applies to the tiles that its blur covers, any other as in BokehReaching.
+//   tiles         distance of the other tile
+float2 BokehGatherReaching(float2 CoC, float tiles)
+{
+    float2 light = min(CoC, float2(0.0, 0.0));
+    float2 isCovered = clamp((0.5 - tiles - light / 16.0) * 1000000.0, float2(0.0, 0.0),
+        float2(1.0, 1.0));
+    return BokehReaching(max(CoC, float2(0.0, 0.0)), tiles) + light * isCovered;
+}
+
+// Layers: merges the gatherCoC of two pixels or tiles: that of a light, or else the larger one
+float2 BokehMergedGatherCoC(float2 a, float2 b)
+{
+    float2 light = min(min(a, b), float2(0.0, 0.0));
+    float2 isDark = clamp(light * 1000000.0 + 1.0, float2(0.0, 0.0), float2(1.0, 1.0));
+    return light + max(a, b) * isDark;
+}
+
 // Layers: returns how many tiles the largest possible CoC can reach, at most 127
 float BokehReachTiles(BokehLayerContext layers)
 {
@@ -442,7 +466,8 @@ float4 BokehBlurWeights(float4 a, float4 b, float4 c, float4 d, float inverseBri
 // Layers: holds what BokehPrefilter writes
 //   nearLayer, farLayer  rgb times layer weight, layer weight
 //   layerCoCSums  for the mean CoC of both layers: CoC / 8 times weight, weight
-//   gatherCoC     rg = largest near and far CoC that is not completely in its layer, pixels
+//   gatherCoC     rg = largest near and far CoC that is not completely in its layer, pixels; that
+//                 of a light comes before any other, and is below 0
 struct BokehPrefiltered
 {
     float4 nearLayer;
@@ -492,10 +517,23 @@ float4 BokehNearPixel(float4 pixel, float nearWeight, float4 around)
     return result;
 }
 
+// Layers: returns gatherCoC of one pixel
+//   weights       near and far layer weight of the pixel
+float2 BokehGatherCoC(float4 pixel, float2 weights, float inverseBrightness, BokehGrid full)
+{
+    float2 rest = min(4.0 - 4.0 * weights, float2(1.0, 1.0));
+    float2 CoC = max(float2(-pixel.a, pixel.a) * full.size.y * rest, float2(0.0, 0.0));
+    if (BokehBrightest(pixel.rgb) * inverseBrightness > BOKEH_TUNED_REACH_LIGHT)
+    {
+        CoC = -CoC;
+    }
+    return CoC;
+}
+
 // Layers: does the work of BokehPrefilter for 2 x 2 pixels
 //   middle        the corner that the four pixels share, pixels
 //   tile          texel of dilatedTiles that covers them
-//   returns       their mean, and the maximum for gatherCoC
+//   returns       their mean, and gatherCoC merged
 BokehPrefiltered BokehPrefilterBlock(BOKEH_TEXTURE MapSamp, float2 middle, float4 tile,
     BokehLayerContext layers)
 {
@@ -517,10 +555,16 @@ BokehPrefiltered BokehPrefilterBlock(BOKEH_TEXTURE MapSamp, float2 middle, float
     float4 weights = farWeights * BokehBlurWeights(a, b, c, d, inverseBrightness, maxWeight);
     float4 one = float4(1.0, 1.0, 1.0, 1.0);
     float4 sums = float4(0.0, 0.0, dot(weights, s) / 8.0, dot(weights, one));
-    float4 nearGather = -s * min(4.0 - 4.0 * nearWeights, one);
-    float4 farGather = s * min(4.0 - 4.0 * farWeights, one);
-    float2 gatherCoC = max(max(float2(nearGather.x, farGather.x), float2(nearGather.y,
-        farGather.y)), max(float2(nearGather.z, farGather.z), float2(nearGather.w, farGather.w)));
+    float2 gatherA = BokehGatherCoC(a, float2(nearWeights.x, farWeights.x), inverseBrightness,
+        full);
+    float2 gatherB = BokehGatherCoC(b, float2(nearWeights.y, farWeights.y), inverseBrightness,
+        full);
+    float2 gatherC = BokehGatherCoC(c, float2(nearWeights.z, farWeights.z), inverseBrightness,
+        full);
+    float2 gatherD = BokehGatherCoC(d, float2(nearWeights.w, farWeights.w), inverseBrightness,
+        full);
+    float2 gatherCoC = BokehMergedGatherCoC(BokehMergedGatherCoC(gatherA, gatherB),
+        BokehMergedGatherCoC(gatherC, gatherD));
     float maxNearWeight = max(max(nearWeights.x, nearWeights.y), max(nearWeights.z, nearWeights.w));
     float4 nearSum = float4(0.0, 0.0, 0.0, 0.0);
     if (maxNearWeight > 0.0)
@@ -561,8 +605,8 @@ BokehPrefiltered BokehPrefilterBlock(BOKEH_TEXTURE MapSamp, float2 middle, float
     targets.farLayer = farSum * 0.25;
     float maxValue = BOKEH_MAX_COLOR;
     targets.layerCoCSums = min(sums * 0.25, float4(maxValue, maxValue, maxValue, maxValue));
-    targets.gatherCoC = float4(clamp(gatherCoC, float2(0.0, 0.0), float2(maxValue, maxValue)), 0.0,
-        1.0);
+    targets.gatherCoC = float4(clamp(gatherCoC, float2(-maxValue, -maxValue), float2(maxValue,
+        maxValue)), 0.0, 1.0);
     return targets;
 }
 
@@ -592,7 +636,8 @@ BokehPrefiltered BokehPrefilter(BOKEH_TEXTURE MapSamp, BOKEH_TEXTURE DilatedTile
             targets.nearLayer += block.nearLayer;
             targets.farLayer += block.farLayer;
             targets.layerCoCSums += block.layerCoCSums;
-            targets.gatherCoC = max(targets.gatherCoC, block.gatherCoC);
+            targets.gatherCoC = float4(BokehMergedGatherCoC(targets.gatherCoC.rg,
+                block.gatherCoC.rg), 0.0, 1.0);
         }
         targets.nearLayer *= 0.25;
         targets.farLayer *= 0.25;
@@ -602,7 +647,7 @@ BokehPrefiltered BokehPrefilter(BOKEH_TEXTURE MapSamp, BOKEH_TEXTURE DilatedTile
 }
 
 // Layers: holds what is known of the CoC of a tile, and later of the tiles around it
-//   gatherCoC     rg = the largest
+//   gatherCoC     rg = the largest, or that of a light
 //   sums          the mean of layerCoCSums
 struct BokehTileSums
 {
@@ -611,8 +656,8 @@ struct BokehTileSums
 };
 
 // Layers: reduces layerCoCSums and gatherCoC to tiles
-//   Reads both at half size, writes the mean of the first and the maximum of the second for each
-//   tile, so that the two passes after it have few texels to read.
+//   Reads both at half size. For each tile, it writes the mean of the first and what the second
+//   merges to, so that the two passes after it have few texels to read.
 BokehTileSums BokehLayerCoCReduce(BOKEH_TEXTURE SumsSamp, BOKEH_TEXTURE GatherCoCSamp,
     BokehLayerContext layers)
 {
@@ -628,7 +673,7 @@ BokehTileSums BokehLayerCoCReduce(BOKEH_TEXTURE SumsSamp, BOKEH_TEXTURE GatherCo
         {
             float2 place = first + float2(float(x), float(y));
             sums += BokehFetchGridTexel(SumsSamp, place, grid);
-            gatherCoC = max(gatherCoC, BokehFetchGridTexel(GatherCoCSamp, place,
+            gatherCoC = BokehMergedGatherCoC(gatherCoC, BokehFetchGridTexel(GatherCoCSamp, place,
                 grid).rg);
         }
     }
@@ -661,8 +706,8 @@ BokehTileSums BokehLayerCoCAlong(BOKEH_TEXTURE GatherCoCSamp, BOKEH_TEXTURE Sums
         float2 weight = exp(-0.5 * tiles * tiles / (sigma * sigma));
         sums += BokehFetchGrid(SumsSamp, place, grid BOKEH_LINEAR) * float4(weight.x, weight.x,
             weight.y, weight.y);
-        gatherCoC = max(gatherCoC, BokehReaching(BokehFetchGrid(GatherCoCSamp, place,
-            grid BOKEH_LINEAR).rg, abs(tiles)));
+        float2 found = BokehFetchGrid(GatherCoCSamp, place, grid BOKEH_LINEAR).rg;
+        gatherCoC = BokehMergedGatherCoC(gatherCoC, BokehGatherReaching(found, abs(tiles)));
         total += weight;
     }
     BokehTileSums targets;
@@ -672,7 +717,7 @@ BokehTileSums BokehLayerCoCAlong(BOKEH_TEXTURE GatherCoCSamp, BOKEH_TEXTURE Sums
 }
 
 // Layers: combines gatherCoC and sums of the tiles around, along rows
-//   Reads what BokehLayerCoCReduce wrote, and dilatedTiles. Writes the largest gatherCoC that
+//   Reads what BokehLayerCoCReduce wrote, and dilatedTiles. Writes the merged gatherCoC that
 //   reaches each tile, and a mean of the sums by a Gaussian with a standard deviation of 0.3 of the
 //   CoC in reach.
 BokehTileSums BokehLayerCoCRows(BOKEH_TEXTURE GatherCoCSamp, BOKEH_TEXTURE SumsSamp,
@@ -714,7 +759,7 @@ BokehLayerCoCTargets BokehLayerCoCColumns(BOKEH_TEXTURE GatherCoCSamp, BOKEH_TEX
         layerCoC = float2(layerCoC.x, 8.0 * sums.b / sums.a);
     }
     BokehLayerCoCTargets targets;
-    targets.gatherTiles = float4(tile, tileSums.gatherCoC.rg);
+    targets.gatherTiles = float4(tile, abs(tileSums.gatherCoC.rg));
     targets.layerCoC = float4(layerCoC, 0.0, 1.0);
     return targets;
 }
