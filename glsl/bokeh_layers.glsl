@@ -20,8 +20,8 @@
 //   TileDilate       1/8   tiles, then its own target       dilatedTiles: largest CoC among tiles
 //                                                           whose blur reaches this tile
 //   Prefilter        1/2   map, dilatedTiles                nearLayer, farLayer, layerCoCSums,
-//                                                           gatherCoC (RG)
-//   LayerCoCReduce   1/8   layerCoCSums, gatherCoC          gatherCoC (RG) and sums of each tile
+//                                                           gatherCoC
+//   LayerCoCReduce   1/8   layerCoCSums, gatherCoC          gatherCoC and sums of each tile
 //   LayerCoCRows     1/8   both, dilatedTiles               both, combined along rows of tiles
 //   LayerCoCColumns  1/8   both, dilatedTiles               gatherTiles: dilatedTiles, gatherCoC;
 //                                                           layerCoC (RG): CoC of both layers
@@ -391,23 +391,14 @@ vec2 BokehReaching(vec2 CoC, float tiles)
     return CoC * clamp(weight, vec2(0.0, 0.0), vec2(1.0, 1.0));
 }
 
-// Layers: returns the gatherCoC that applies here of another tile's, pixels
-//   A light's (below 0) applies to the tiles that its blur covers, any other as in BokehReaching.
+// Layers: returns how much of the gatherCoC of another tile applies here, pixels
+//   As in BokehReaching, but that of a light only applies to the tiles that its blur covers.
 //   tiles         distance of the other tile
-vec2 BokehGatherReaching(vec2 CoC, float tiles)
+vec4 BokehGatherReaching(vec4 CoC, float tiles)
 {
-    vec2 light = min(CoC, vec2(0.0, 0.0));
-    vec2 isCovered = clamp((0.5 - tiles - light / 16.0) * 1000000.0, vec2(0.0, 0.0),
+    vec2 isCovered = clamp((CoC.ba / 16.0 + 0.5 - tiles) * 1000000.0, vec2(0.0, 0.0),
         vec2(1.0, 1.0));
-    return BokehReaching(max(CoC, vec2(0.0, 0.0)), tiles) + light * isCovered;
-}
-
-// Layers: merges the gatherCoC of two pixels or tiles: that of a light, or else the larger one
-vec2 BokehMergedGatherCoC(vec2 a, vec2 b)
-{
-    vec2 light = min(min(a, b), vec2(0.0, 0.0));
-    vec2 isDark = clamp(light * 1000000.0 + 1.0, vec2(0.0, 0.0), vec2(1.0, 1.0));
-    return light + max(a, b) * isDark;
+    return vec4(BokehReaching(CoC.rg, tiles), CoC.ba * isCovered);
 }
 
 // Layers: returns how many tiles the largest possible CoC can reach, at most 127
@@ -461,8 +452,8 @@ vec4 BokehBlurWeights(vec4 a, vec4 b, vec4 c, vec4 d, float inverseBrightness, f
 // Layers: holds what BokehPrefilter writes
 //   nearLayer, farLayer  rgb times layer weight, layer weight
 //   layerCoCSums  for the mean CoC of both layers: CoC / 8 times weight, weight
-//   gatherCoC     rg = largest near and far CoC that is not completely in its layer, pixels; that
-//                 of a light comes before any other, and is below 0
+//   gatherCoC     rg = largest near and far CoC that is not completely in its layer, ba = those of
+//                 lights alone; pixels
 struct BokehPrefiltered
 {
     vec4 nearLayer;
@@ -514,21 +505,22 @@ vec4 BokehNearPixel(vec4 pixel, float nearWeight, vec4 around)
 
 // Layers: returns gatherCoC of one pixel
 //   weights       near and far layer weight of the pixel
-vec2 BokehGatherCoC(vec4 pixel, vec2 weights, float inverseBrightness, BokehGrid full)
+vec4 BokehGatherCoC(vec4 pixel, vec2 weights, float inverseBrightness, BokehGrid full)
 {
     vec2 rest = min(4.0 - 4.0 * weights, vec2(1.0, 1.0));
     vec2 CoC = max(vec2(-pixel.a, pixel.a) * full.size.y * rest, vec2(0.0, 0.0));
+    vec4 gatherCoC = vec4(CoC, 0.0, 0.0);
     if (BokehBrightest(pixel.rgb) * inverseBrightness > BOKEH_TUNED_REACH_LIGHT)
     {
-        CoC = -CoC;
+        gatherCoC = vec4(CoC, CoC);
     }
-    return CoC;
+    return gatherCoC;
 }
 
 // Layers: does the work of BokehPrefilter for 2 x 2 pixels
 //   middle        the corner that the four pixels share, pixels
 //   tile          texel of dilatedTiles that covers them
-//   returns       their mean, and gatherCoC merged
+//   returns       their mean, and the maximum for gatherCoC
 BokehPrefiltered BokehPrefilterBlock(BOKEH_TEXTURE MapSamp, vec2 middle, vec4 tile,
     BokehLayerContext layers)
 {
@@ -550,12 +542,11 @@ BokehPrefiltered BokehPrefilterBlock(BOKEH_TEXTURE MapSamp, vec2 middle, vec4 ti
     vec4 weights = farWeights * BokehBlurWeights(a, b, c, d, inverseBrightness, maxWeight);
     vec4 one = vec4(1.0, 1.0, 1.0, 1.0);
     vec4 sums = vec4(0.0, 0.0, dot(weights, s) / 8.0, dot(weights, one));
-    vec2 gatherA = BokehGatherCoC(a, vec2(nearWeights.x, farWeights.x), inverseBrightness, full);
-    vec2 gatherB = BokehGatherCoC(b, vec2(nearWeights.y, farWeights.y), inverseBrightness, full);
-    vec2 gatherC = BokehGatherCoC(c, vec2(nearWeights.z, farWeights.z), inverseBrightness, full);
-    vec2 gatherD = BokehGatherCoC(d, vec2(nearWeights.w, farWeights.w), inverseBrightness, full);
-    vec2 gatherCoC = BokehMergedGatherCoC(BokehMergedGatherCoC(gatherA, gatherB),
-        BokehMergedGatherCoC(gatherC, gatherD));
+    vec4 gatherA = BokehGatherCoC(a, vec2(nearWeights.x, farWeights.x), inverseBrightness, full);
+    vec4 gatherB = BokehGatherCoC(b, vec2(nearWeights.y, farWeights.y), inverseBrightness, full);
+    vec4 gatherC = BokehGatherCoC(c, vec2(nearWeights.z, farWeights.z), inverseBrightness, full);
+    vec4 gatherD = BokehGatherCoC(d, vec2(nearWeights.w, farWeights.w), inverseBrightness, full);
+    vec4 gatherCoC = max(max(gatherA, gatherB), max(gatherC, gatherD));
     float maxNearWeight = max(max(nearWeights.x, nearWeights.y), max(nearWeights.z, nearWeights.w));
     vec4 nearSum = vec4(0.0, 0.0, 0.0, 0.0);
     if (maxNearWeight > 0.0)
@@ -596,8 +587,7 @@ BokehPrefiltered BokehPrefilterBlock(BOKEH_TEXTURE MapSamp, vec2 middle, vec4 ti
     targets.farLayer = farSum * 0.25;
     float maxValue = BOKEH_MAX_COLOR;
     targets.layerCoCSums = min(sums * 0.25, vec4(maxValue, maxValue, maxValue, maxValue));
-    targets.gatherCoC = vec4(clamp(gatherCoC, vec2(-maxValue, -maxValue), vec2(maxValue,
-        maxValue)), 0.0, 1.0);
+    targets.gatherCoC = min(gatherCoC, vec4(maxValue, maxValue, maxValue, maxValue));
     return targets;
 }
 
@@ -626,8 +616,7 @@ BokehPrefiltered BokehPrefilter(BOKEH_TEXTURE MapSamp, BOKEH_TEXTURE DilatedTile
             targets.nearLayer += block.nearLayer;
             targets.farLayer += block.farLayer;
             targets.layerCoCSums += block.layerCoCSums;
-            targets.gatherCoC = vec4(BokehMergedGatherCoC(targets.gatherCoC.rg,
-                block.gatherCoC.rg), 0.0, 1.0);
+            targets.gatherCoC = max(targets.gatherCoC, block.gatherCoC);
         }
         targets.nearLayer *= 0.25;
         targets.farLayer *= 0.25;
@@ -637,7 +626,7 @@ BokehPrefiltered BokehPrefilter(BOKEH_TEXTURE MapSamp, BOKEH_TEXTURE DilatedTile
 }
 
 // Layers: holds what is known of the CoC of a tile, and later of the tiles around it
-//   gatherCoC     rg = the largest, or that of a light
+//   gatherCoC     the largest
 //   sums          the mean of layerCoCSums
 struct BokehTileSums
 {
@@ -646,8 +635,8 @@ struct BokehTileSums
 };
 
 // Layers: reduces layerCoCSums and gatherCoC to tiles
-//   Reads both at half size. For each tile, it writes the mean of the first and what the second
-//   merges to, so that the two passes after it have few texels to read.
+//   Reads both at half size, writes the mean of the first and the maximum of the second for each
+//   tile, so that the two passes after it have few texels to read.
 BokehTileSums BokehLayerCoCReduce(BOKEH_TEXTURE SumsSamp, BOKEH_TEXTURE GatherCoCSamp,
     BokehLayerContext layers)
 {
@@ -656,19 +645,18 @@ BokehTileSums BokehLayerCoCReduce(BOKEH_TEXTURE SumsSamp, BOKEH_TEXTURE GatherCo
     int texels = 8 / BOKEH_LAYER_SCALE;
     vec2 first = floor(layers.uv * ceil(layers.size / 8.0)) * float(texels) + vec2(0.5, 0.5);
     vec4 sums = vec4(0.0, 0.0, 0.0, 0.0);
-    vec2 gatherCoC = vec2(0.0, 0.0);
+    vec4 gatherCoC = vec4(0.0, 0.0, 0.0, 0.0);
     for (int y = 0; y < texels; y++)
     {
         for (int x = 0; x < texels; x++)
         {
             vec2 place = first + vec2(float(x), float(y));
             sums += BokehFetchGridTexel(SumsSamp, place, grid);
-            gatherCoC = BokehMergedGatherCoC(gatherCoC, BokehFetchGridTexel(GatherCoCSamp, place,
-                grid).rg);
+            gatherCoC = max(gatherCoC, BokehFetchGridTexel(GatherCoCSamp, place, grid));
         }
     }
     BokehTileSums targets;
-    targets.gatherCoC = vec4(gatherCoC, 0.0, 1.0);
+    targets.gatherCoC = gatherCoC;
     targets.sums = sums / float(texels * texels);
     return targets;
 }
@@ -683,7 +671,7 @@ BokehTileSums BokehLayerCoCAlong(BOKEH_TEXTURE GatherCoCSamp, BOKEH_TEXTURE Sums
     vec2 sigma = max(tile * BOKEH_TUNED_COC_SIGMA, vec2(0.6, 0.6));
     float radius = BokehReachTiles(layers);
     vec4 sums = vec4(0.0, 0.0, 0.0, 0.0);
-    vec2 gatherCoC = vec2(0.0, 0.0);
+    vec4 gatherCoC = vec4(0.0, 0.0, 0.0, 0.0);
     vec2 total = vec2(0.0, 0.0);
     for (int i = 0; i < 255; i++)
     {
@@ -696,18 +684,18 @@ BokehTileSums BokehLayerCoCAlong(BOKEH_TEXTURE GatherCoCSamp, BOKEH_TEXTURE Sums
         vec2 weight = exp(-0.5 * tiles * tiles / (sigma * sigma));
         sums += BokehFetchGrid(SumsSamp, place, grid) * vec4(weight.x, weight.x, weight.y,
             weight.y);
-        vec2 found = BokehFetchGrid(GatherCoCSamp, place, grid).rg;
-        gatherCoC = BokehMergedGatherCoC(gatherCoC, BokehGatherReaching(found, abs(tiles)));
+        vec4 found = BokehFetchGrid(GatherCoCSamp, place, grid);
+        gatherCoC = max(gatherCoC, BokehGatherReaching(found, abs(tiles)));
         total += weight;
     }
     BokehTileSums targets;
-    targets.gatherCoC = vec4(gatherCoC, 0.0, 1.0);
+    targets.gatherCoC = gatherCoC;
     targets.sums = sums / vec4(total.x, total.x, total.y, total.y);
     return targets;
 }
 
 // Layers: combines gatherCoC and sums of the tiles around, along rows
-//   Reads what BokehLayerCoCReduce wrote, and dilatedTiles. Writes the merged gatherCoC that
+//   Reads what BokehLayerCoCReduce wrote, and dilatedTiles. Writes the largest gatherCoC that
 //   reaches each tile, and a mean of the sums by a Gaussian with a standard deviation of 0.3 of the
 //   CoC in reach.
 BokehTileSums BokehLayerCoCRows(BOKEH_TEXTURE GatherCoCSamp, BOKEH_TEXTURE SumsSamp,
@@ -717,8 +705,8 @@ BokehTileSums BokehLayerCoCRows(BOKEH_TEXTURE GatherCoCSamp, BOKEH_TEXTURE SumsS
 }
 
 // Layers: holds what BokehLayerCoCColumns writes
-//   gatherTiles   largest near and far CoC whose blur reaches this tile, then the largest near and
-//                 far gatherCoC; pixels
+//   gatherTiles   largest near and far CoC whose blur reaches this tile, then how far the gather
+//                 has to reach: the largest near and far gatherCoC, or those of lights; pixels
 //   layerCoC      rg = CoC to blur the near and the far layer with, pixels; 0 without a layer
 struct BokehLayerCoCTargets
 {
@@ -747,8 +735,11 @@ BokehLayerCoCTargets BokehLayerCoCColumns(BOKEH_TEXTURE GatherCoCSamp, BOKEH_TEX
     {
         layerCoC = vec2(layerCoC.x, 8.0 * sums.b / sums.a);
     }
+    // a light comes first
+    vec2 light = tileSums.gatherCoC.ba;
+    vec2 isDark = clamp(1.0 - light * 1000000.0, vec2(0.0, 0.0), vec2(1.0, 1.0));
     BokehLayerCoCTargets targets;
-    targets.gatherTiles = vec4(tile, abs(tileSums.gatherCoC.rg));
+    targets.gatherTiles = vec4(tile, light + tileSums.gatherCoC.rg * isDark);
     targets.layerCoC = vec4(layerCoC, 0.0, 1.0);
     return targets;
 }

@@ -20,8 +20,8 @@
 //   TileDilate       1/8   tiles, then its own target       dilatedTiles: largest CoC among tiles
 //                                                           whose blur reaches this tile
 //   Prefilter        1/2   map, dilatedTiles                nearLayer, farLayer, layerCoCSums,
-//                                                           gatherCoC (RG)
-//   LayerCoCReduce   1/8   layerCoCSums, gatherCoC          gatherCoC (RG) and sums of each tile
+//                                                           gatherCoC
+//   LayerCoCReduce   1/8   layerCoCSums, gatherCoC          gatherCoC and sums of each tile
 //   LayerCoCRows     1/8   both, dilatedTiles               both, combined along rows of tiles
 //   LayerCoCColumns  1/8   both, dilatedTiles               gatherTiles: dilatedTiles, gatherCoC;
 //                                                           layerCoC (RG): CoC of both layers
@@ -341,23 +341,14 @@ fn BokehReaching(CoC: vec2f, tiles: f32) -> vec2f
     return CoC * clamp(weight, vec2f(0.0, 0.0), vec2f(1.0, 1.0));
 }
 
-// Layers: returns the gatherCoC that applies here of another tile's, pixels
-//   A light's (below 0) applies to the tiles that its blur covers, any other as in BokehReaching.
+// Layers: returns how much of the gatherCoC of another tile applies here, pixels
+//   As in BokehReaching, but that of a light only applies to the tiles that its blur covers.
 //   tiles         distance of the other tile
-fn BokehGatherReaching(CoC: vec2f, tiles: f32) -> vec2f
+fn BokehGatherReaching(CoC: vec4f, tiles: f32) -> vec4f
 {
-    let light: vec2f = min(CoC, vec2f(0.0, 0.0));
-    let isCovered: vec2f = clamp((0.5 - tiles - light / 16.0) * 1000000.0, vec2f(0.0, 0.0),
+    let isCovered: vec2f = clamp((CoC.ba / 16.0 + 0.5 - tiles) * 1000000.0, vec2f(0.0, 0.0),
         vec2f(1.0, 1.0));
-    return BokehReaching(max(CoC, vec2f(0.0, 0.0)), tiles) + light * isCovered;
-}
-
-// Layers: merges the gatherCoC of two pixels or tiles: that of a light, or else the larger one
-fn BokehMergedGatherCoC(a: vec2f, b: vec2f) -> vec2f
-{
-    let light: vec2f = min(min(a, b), vec2f(0.0, 0.0));
-    let isDark: vec2f = clamp(light * 1000000.0 + 1.0, vec2f(0.0, 0.0), vec2f(1.0, 1.0));
-    return light + max(a, b) * isDark;
+    return vec4f(BokehReaching(CoC.rg, tiles), CoC.ba * isCovered);
 }
 
 // Layers: returns how many tiles the largest possible CoC can reach, at most 127
@@ -414,8 +405,8 @@ fn BokehBlurWeights(a: vec4f, b: vec4f, c: vec4f, d: vec4f, inverseBrightness: f
 // Layers: holds what BokehPrefilter writes
 //   nearLayer, farLayer  rgb times layer weight, layer weight
 //   layerCoCSums  for the mean CoC of both layers: CoC / 8 times weight, weight
-//   gatherCoC     rg = largest near and far CoC that is not completely in its layer, pixels; that
-//                 of a light comes before any other, and is below 0
+//   gatherCoC     rg = largest near and far CoC that is not completely in its layer, ba = those of
+//                 lights alone; pixels
 struct BokehPrefiltered
 {
     nearLayer: vec4f,
@@ -467,21 +458,22 @@ fn BokehNearPixel(pixel: vec4f, nearWeight: f32, around: vec4f) -> vec4f
 
 // Layers: returns gatherCoC of one pixel
 //   weights       near and far layer weight of the pixel
-fn BokehGatherCoC(pixel: vec4f, weights: vec2f, inverseBrightness: f32, full: BokehGrid) -> vec2f
+fn BokehGatherCoC(pixel: vec4f, weights: vec2f, inverseBrightness: f32, full: BokehGrid) -> vec4f
 {
     let rest: vec2f = min(4.0 - 4.0 * weights, vec2f(1.0, 1.0));
-    var CoC: vec2f = max(vec2f(-pixel.a, pixel.a) * full.size.y * rest, vec2f(0.0, 0.0));
+    let CoC: vec2f = max(vec2f(-pixel.a, pixel.a) * full.size.y * rest, vec2f(0.0, 0.0));
+    var gatherCoC: vec4f = vec4f(CoC, 0.0, 0.0);
     if (BokehBrightest(pixel.rgb) * inverseBrightness > BOKEH_TUNED_REACH_LIGHT)
     {
-        CoC = -CoC;
+        gatherCoC = vec4f(CoC, CoC);
     }
-    return CoC;
+    return gatherCoC;
 }
 
 // Layers: does the work of BokehPrefilter for 2 x 2 pixels
 //   middle        the corner that the four pixels share, pixels
 //   tile          texel of dilatedTiles that covers them
-//   returns       their mean, and gatherCoC merged
+//   returns       their mean, and the maximum for gatherCoC
 fn BokehPrefilterBlock(MapSamp: texture_2d<f32>, middle: vec2f, tile: vec4f,
     layers: BokehLayerContext) -> BokehPrefiltered
 {
@@ -503,16 +495,15 @@ fn BokehPrefilterBlock(MapSamp: texture_2d<f32>, middle: vec2f, tile: vec4f,
     var weights: vec4f = farWeights * BokehBlurWeights(a, b, c, d, inverseBrightness, maxWeight);
     let one: vec4f = vec4f(1.0, 1.0, 1.0, 1.0);
     var sums: vec4f = vec4f(0.0, 0.0, dot(weights, s) / 8.0, dot(weights, one));
-    let gatherA: vec2f = BokehGatherCoC(a, vec2f(nearWeights.x, farWeights.x), inverseBrightness,
+    let gatherA: vec4f = BokehGatherCoC(a, vec2f(nearWeights.x, farWeights.x), inverseBrightness,
         full);
-    let gatherB: vec2f = BokehGatherCoC(b, vec2f(nearWeights.y, farWeights.y), inverseBrightness,
+    let gatherB: vec4f = BokehGatherCoC(b, vec2f(nearWeights.y, farWeights.y), inverseBrightness,
         full);
-    let gatherC: vec2f = BokehGatherCoC(c, vec2f(nearWeights.z, farWeights.z), inverseBrightness,
+    let gatherC: vec4f = BokehGatherCoC(c, vec2f(nearWeights.z, farWeights.z), inverseBrightness,
         full);
-    let gatherD: vec2f = BokehGatherCoC(d, vec2f(nearWeights.w, farWeights.w), inverseBrightness,
+    let gatherD: vec4f = BokehGatherCoC(d, vec2f(nearWeights.w, farWeights.w), inverseBrightness,
         full);
-    let gatherCoC: vec2f = BokehMergedGatherCoC(BokehMergedGatherCoC(gatherA, gatherB),
-        BokehMergedGatherCoC(gatherC, gatherD));
+    let gatherCoC: vec4f = max(max(gatherA, gatherB), max(gatherC, gatherD));
     let maxNearWeight: f32 = max(max(nearWeights.x, nearWeights.y), max(nearWeights.z,
         nearWeights.w));
     var nearSum: vec4f = vec4f(0.0, 0.0, 0.0, 0.0);
@@ -554,8 +545,7 @@ fn BokehPrefilterBlock(MapSamp: texture_2d<f32>, middle: vec2f, tile: vec4f,
     targets.farLayer = farSum * 0.25;
     let maxValue: f32 = BOKEH_MAX_COLOR;
     targets.layerCoCSums = min(sums * 0.25, vec4f(maxValue, maxValue, maxValue, maxValue));
-    targets.gatherCoC = vec4f(clamp(gatherCoC, vec2f(-maxValue, -maxValue), vec2f(maxValue,
-        maxValue)), 0.0, 1.0);
+    targets.gatherCoC = min(gatherCoC, vec4f(maxValue, maxValue, maxValue, maxValue));
     return targets;
 }
 
@@ -586,8 +576,7 @@ fn BokehPrefilter(MapSamp: texture_2d<f32>, DilatedTilesSamp: texture_2d<f32>,
             targets.nearLayer += block.nearLayer;
             targets.farLayer += block.farLayer;
             targets.layerCoCSums += block.layerCoCSums;
-            targets.gatherCoC = vec4f(BokehMergedGatherCoC(targets.gatherCoC.rg,
-                block.gatherCoC.rg), 0.0, 1.0);
+            targets.gatherCoC = max(targets.gatherCoC, block.gatherCoC);
         }
         targets.nearLayer *= 0.25;
         targets.farLayer *= 0.25;
@@ -597,7 +586,7 @@ fn BokehPrefilter(MapSamp: texture_2d<f32>, DilatedTilesSamp: texture_2d<f32>,
 }
 
 // Layers: holds what is known of the CoC of a tile, and later of the tiles around it
-//   gatherCoC     rg = the largest, or that of a light
+//   gatherCoC     the largest
 //   sums          the mean of layerCoCSums
 struct BokehTileSums
 {
@@ -606,8 +595,8 @@ struct BokehTileSums
 }
 
 // Layers: reduces layerCoCSums and gatherCoC to tiles
-//   Reads both at half size. For each tile, it writes the mean of the first and what the second
-//   merges to, so that the two passes after it have few texels to read.
+//   Reads both at half size, writes the mean of the first and the maximum of the second for each
+//   tile, so that the two passes after it have few texels to read.
 fn BokehLayerCoCReduce(SumsSamp: texture_2d<f32>, GatherCoCSamp: texture_2d<f32>,
     layers: BokehLayerContext) -> BokehTileSums
 {
@@ -616,19 +605,18 @@ fn BokehLayerCoCReduce(SumsSamp: texture_2d<f32>, GatherCoCSamp: texture_2d<f32>
     let texels: i32 = 8 / BOKEH_LAYER_SCALE;
     let first: vec2f = floor(layers.uv * ceil(layers.size / 8.0)) * f32(texels) + vec2f(0.5, 0.5);
     var sums: vec4f = vec4f(0.0, 0.0, 0.0, 0.0);
-    var gatherCoC: vec2f = vec2f(0.0, 0.0);
+    var gatherCoC: vec4f = vec4f(0.0, 0.0, 0.0, 0.0);
     for (var y: i32 = 0; y < texels; y++)
     {
         for (var x: i32 = 0; x < texels; x++)
         {
             let place: vec2f = first + vec2f(f32(x), f32(y));
             sums += BokehFetchGridTexel(SumsSamp, place, grid);
-            gatherCoC = BokehMergedGatherCoC(gatherCoC, BokehFetchGridTexel(GatherCoCSamp, place,
-                grid).rg);
+            gatherCoC = max(gatherCoC, BokehFetchGridTexel(GatherCoCSamp, place, grid));
         }
     }
     var targets: BokehTileSums;
-    targets.gatherCoC = vec4f(gatherCoC, 0.0, 1.0);
+    targets.gatherCoC = gatherCoC;
     targets.sums = sums / f32(texels * texels);
     return targets;
 }
@@ -645,7 +633,7 @@ fn BokehLayerCoCAlong(GatherCoCSamp: texture_2d<f32>, SumsSamp: texture_2d<f32>,
     let sigma: vec2f = max(tile * BOKEH_TUNED_COC_SIGMA, vec2f(0.6, 0.6));
     let radius: f32 = BokehReachTiles(layers);
     var sums: vec4f = vec4f(0.0, 0.0, 0.0, 0.0);
-    var gatherCoC: vec2f = vec2f(0.0, 0.0);
+    var gatherCoC: vec4f = vec4f(0.0, 0.0, 0.0, 0.0);
     var total: vec2f = vec2f(0.0, 0.0);
     for (var i: i32 = 0; i < 255; i++)
     {
@@ -658,18 +646,18 @@ fn BokehLayerCoCAlong(GatherCoCSamp: texture_2d<f32>, SumsSamp: texture_2d<f32>,
         let weight: vec2f = exp(-0.5 * tiles * tiles / (sigma * sigma));
         sums += BokehFetchGrid(SumsSamp, place, grid, BokehLinearClamp) * vec4f(weight.x, weight.x,
             weight.y, weight.y);
-        let found: vec2f = BokehFetchGrid(GatherCoCSamp, place, grid, BokehLinearClamp).rg;
-        gatherCoC = BokehMergedGatherCoC(gatherCoC, BokehGatherReaching(found, abs(tiles)));
+        let found: vec4f = BokehFetchGrid(GatherCoCSamp, place, grid, BokehLinearClamp);
+        gatherCoC = max(gatherCoC, BokehGatherReaching(found, abs(tiles)));
         total += weight;
     }
     var targets: BokehTileSums;
-    targets.gatherCoC = vec4f(gatherCoC, 0.0, 1.0);
+    targets.gatherCoC = gatherCoC;
     targets.sums = sums / vec4f(total.x, total.x, total.y, total.y);
     return targets;
 }
 
 // Layers: combines gatherCoC and sums of the tiles around, along rows
-//   Reads what BokehLayerCoCReduce wrote, and dilatedTiles. Writes the merged gatherCoC that
+//   Reads what BokehLayerCoCReduce wrote, and dilatedTiles. Writes the largest gatherCoC that
 //   reaches each tile, and a mean of the sums by a Gaussian with a standard deviation of 0.3 of the
 //   CoC in reach.
 fn BokehLayerCoCRows(GatherCoCSamp: texture_2d<f32>, SumsSamp: texture_2d<f32>,
@@ -681,8 +669,8 @@ fn BokehLayerCoCRows(GatherCoCSamp: texture_2d<f32>, SumsSamp: texture_2d<f32>,
 }
 
 // Layers: holds what BokehLayerCoCColumns writes
-//   gatherTiles   largest near and far CoC whose blur reaches this tile, then the largest near and
-//                 far gatherCoC; pixels
+//   gatherTiles   largest near and far CoC whose blur reaches this tile, then how far the gather
+//                 has to reach: the largest near and far gatherCoC, or those of lights; pixels
 //   layerCoC      rg = CoC to blur the near and the far layer with, pixels; 0 without a layer
 struct BokehLayerCoCTargets
 {
@@ -713,8 +701,11 @@ fn BokehLayerCoCColumns(GatherCoCSamp: texture_2d<f32>, SumsSamp: texture_2d<f32
     {
         layerCoC = vec2f(layerCoC.x, 8.0 * sums.b / sums.a);
     }
+    // a light comes first
+    let light: vec2f = tileSums.gatherCoC.ba;
+    let isDark: vec2f = clamp(1.0 - light * 1000000.0, vec2f(0.0, 0.0), vec2f(1.0, 1.0));
     var targets: BokehLayerCoCTargets;
-    targets.gatherTiles = vec4f(tile, abs(tileSums.gatherCoC.rg));
+    targets.gatherTiles = vec4f(tile, light + tileSums.gatherCoC.rg * isDark);
     targets.layerCoC = vec4f(layerCoC, 0.0, 1.0);
     return targets;
 }

@@ -25,8 +25,6 @@ EVERYWHERE = ("exact hexagon", "layered hexagon")
 SIGNED = ("exact", "layered")
 # Textures of layered with the mean logarithm of brightness in blue, which may be negative
 LEVELS = ("tiles", "tiles along rows", "dilated tiles")
-# Textures of layered in which a CoC below 0 is that of a light
-MARKED = ("gather coc", "tile gather coc", "row gather coc")
 # The engine's alpha, which is ignored
 ALPHA = (np.nan, np.inf, -np.inf)
 
@@ -65,11 +63,9 @@ def differing(a: np.ndarray, b: np.ndarray) -> np.ndarray:
 
 
 def assert_safe(found: dict[str, np.ndarray], settings: Settings) -> None:
-    """Check that every number of every texture is finite and not negative, except a signed CoC, LEVELS and MARKED."""
+    """Check that every number of every texture is finite and not negative, except a signed CoC, and LEVELS."""
     for name, pixels in found.items():
         assert np.isfinite(pixels).all(), f"{name}: {np.count_nonzero(~np.isfinite(pixels))} numbers are not finite"
-        if name in MARKED:
-            continue
         numbers = pixels[..., : 2 if name in LEVELS else 3] if settings.method in SIGNED else pixels
         assert (numbers >= 0).all(), f"{name}: {np.count_nonzero(numbers < 0)} numbers are negative"
 
