@@ -966,14 +966,39 @@ BokehFilled BokehHoleFill(BOKEH_TEXTURE MidSamp, BOKEH_TEXTURE FarSamp,
 //   The parallelograms of [5], without weights and without a leakage test, because a layer holds
 //   nothing that must not spread. All four channels are blurred, so alpha becomes the coverage.
 
+// Layers: adds up the samples of a line
+//   The caller chooses between a layer and its quarter-size copy, because a renderer that runs on
+//   the CPU would fetch from both in a loop that does.
+//   first         position of the line's start, in texels of `grid`
+//   sampleStep    from one sample to the next
+//   samples       how many, with a fraction: the last sample has this fraction as its weight
+//   phase         position of the last sample within its step, 0.5: the middle
+vec4 BokehLayerSamples(BOKEH_TEXTURE tex, vec2 first, vec2 sampleStep, float samples, float phase,
+    BokehGrid grid)
+{
+    vec4 sum = vec4(0.0, 0.0, 0.0, 0.0);
+    for (int i = 0; i < int(ceil(samples)); i++)
+    {
+        float part = clamp(samples - float(i), 0.0, 1.0);
+        vec2 place = first + sampleStep * (float(i) + part * phase);
+        sum += part * BokehFetchGrid(tex, place, grid);
+    }
+    return sum;
+}
+
 // Layers: averages the samples along edge k, and in the second pass multiplies the mean by the area
 //   of the edge's parallelograms
-//   tex           a layer, a quarter layer or a strip
-//   scale         divides the size of the image to get the size of tex
+//   tex           the layer, or a strip
+//   QuarterSamp   the layer at quarter size, read if useQuarterLayer of blur is true
 //   blur          from BokehLayerBlur
-vec4 BokehLayerLine(BOKEH_TEXTURE tex, float scale, int k, BokehPolygon polygon, bool secondPass,
-    BokehBlur blur, BokehLayerContext layers)
+vec4 BokehLayerLine(BOKEH_TEXTURE tex, BOKEH_TEXTURE QuarterSamp, int k, BokehPolygon polygon,
+    bool secondPass, BokehBlur blur, BokehLayerContext layers)
 {
+    float scale = float(BOKEH_LAYER_SCALE);
+    if (blur.useQuarterLayer)
+    {
+        scale = 4.0;
+    }
     BokehGrid grid = BokehReducedGrid(layers, scale);
     vec4 segment = BokehEdgeLine(k, polygon, secondPass) * blur.CoC;
     float samples = max(2.0 * length(segment.zw) / blur.spacing, 2.0);
@@ -983,11 +1008,13 @@ vec4 BokehLayerLine(BOKEH_TEXTURE tex, float scale, int k, BokehPolygon polygon,
         (float(BOKEH_LAYER_SCALE) / scale);
     vec2 sampleStep = segment.zw * (2.0 * float(BOKEH_LAYER_SCALE) / (scale * samples));
     vec4 sum = vec4(0.0, 0.0, 0.0, 0.0);
-    for (int i = 0; i < int(ceil(samples)); i++)
+    if (blur.useQuarterLayer)
     {
-        float part = clamp(samples - float(i), 0.0, 1.0);
-        vec2 place = first + sampleStep * (float(i) + part * phase);
-        sum += part * BokehFetchGrid(tex, place, grid);
+        sum = BokehLayerSamples(QuarterSamp, first, sampleStep, samples, phase, grid);
+    }
+    else
+    {
+        sum = BokehLayerSamples(tex, first, sampleStep, samples, phase, grid);
     }
     sum = sum / samples;
     if (secondPass)
@@ -1005,38 +1032,6 @@ vec4 BokehLayerTarget(int k, BokehPolygon polygon, vec4 L1, vec4 L2, vec4 L3, ve
     return (L1 * w.x + L2 * w.y + L3 * w.z + L4 * w.w) / (w.x + w.y + w.z + w.w);
 }
 
-// Layers: blurs a layer along the edges, first pass
-//   tex           the layer, or the layer at quarter size
-//   scale, blur   as for BokehLayerLine
-//   last          as in BokehExactFirst
-BokehTargets BokehLayerStrips(BOKEH_TEXTURE tex, float scale, int last, BokehPolygon polygon,
-    BokehBlur blur, BokehLayerContext layers)
-{
-    vec4 zero = vec4(0.0, 0.0, 0.0, 0.0);
-    vec4 L2 = zero;
-    vec4 L3 = zero;
-    vec4 L4 = zero;
-    vec4 L1 = BokehLayerLine(tex, scale, 1, polygon, false, blur, layers);
-    if (last > 2)
-    {
-        L2 = BokehLayerLine(tex, scale, 2, polygon, false, blur, layers);
-    }
-    if (last > 3)
-    {
-        L3 = BokehLayerLine(tex, scale, 3, polygon, false, blur, layers);
-    }
-    if (last > 4)
-    {
-        L4 = BokehLayerLine(tex, scale, 4, polygon, false, blur, layers);
-    }
-    BokehTargets targets;
-    targets.strip2 = L1;
-    targets.strip3 = BokehLayerTarget(3, polygon, L1, L2, zero, zero);
-    targets.strip4 = BokehLayerTarget(4, polygon, L1, L2, L3, zero);
-    targets.strip5 = BokehLayerTarget(5, polygon, L1, L2, L3, L4);
-    return targets;
-}
-
 // Layers: blurs a layer, first pass
 //   Reads a layer and layerCoC, and writes its strips, as the first pass of `exact` does but
 //   without weights. A wide blur reads the smooth copy at quarter size, so that polygons stay flat.
@@ -1048,24 +1043,37 @@ BokehTargets BokehLayerStrips(BOKEH_TEXTURE tex, float scale, int last, BokehPol
 BokehTargets BokehLayerFirst(BOKEH_TEXTURE LayerSamp, BOKEH_TEXTURE QuarterSamp, vec2 layerCoC,
     bool isFar, int last, BokehPolygon polygon, BokehLayerContext layers)
 {
+    BokehGrid grid = BokehLayerGrid(layers);
+    vec2 center = layers.uv * grid.size;
+    vec4 zero = vec4(0.0, 0.0, 0.0, 0.0);
     BokehTargets targets;
     BokehBlur blur = BokehLayerBlur(layerCoC, isFar, polygon);
     if (blur.CoC > 0.51)
     {
-        if (blur.useQuarterLayer)
+        vec4 L2 = zero;
+        vec4 L3 = zero;
+        vec4 L4 = zero;
+        vec4 L1 = BokehLayerLine(LayerSamp, QuarterSamp, 1, polygon, false, blur, layers);
+        if (last > 2)
         {
-            targets = BokehLayerStrips(QuarterSamp, 4.0, last, polygon, blur, layers);
+            L2 = BokehLayerLine(LayerSamp, QuarterSamp, 2, polygon, false, blur, layers);
         }
-        else
+        if (last > 3)
         {
-            targets = BokehLayerStrips(LayerSamp, float(BOKEH_LAYER_SCALE), last, polygon,
-                blur, layers);
+            L3 = BokehLayerLine(LayerSamp, QuarterSamp, 3, polygon, false, blur, layers);
         }
+        if (last > 4)
+        {
+            L4 = BokehLayerLine(LayerSamp, QuarterSamp, 4, polygon, false, blur, layers);
+        }
+        targets.strip2 = L1;
+        targets.strip3 = BokehLayerTarget(3, polygon, L1, L2, zero, zero);
+        targets.strip4 = BokehLayerTarget(4, polygon, L1, L2, L3, zero);
+        targets.strip5 = BokehLayerTarget(5, polygon, L1, L2, L3, L4);
     }
     else
     {
-        BokehGrid grid = BokehLayerGrid(layers);
-        targets.strip2 = BokehFetchGrid(LayerSamp, layers.uv * grid.size, grid);
+        targets.strip2 = BokehFetchGrid(LayerSamp, center, grid);
         targets.strip3 = targets.strip2;
         targets.strip4 = targets.strip2;
         targets.strip5 = targets.strip2;
@@ -1086,21 +1094,21 @@ vec4 BokehLayerSecond(BOKEH_TEXTURE Strip2Samp, BOKEH_TEXTURE Strip3Samp, BOKEH_
     vec2 center = layers.uv * grid.size;
     vec4 result = vec4(0.0, 0.0, 0.0, 0.0);
     BokehBlur blur = BokehLayerBlur(layerCoC, isFar, polygon);
-    float scale = float(BOKEH_LAYER_SCALE);
+    blur.useQuarterLayer = false;
     if (blur.CoC > 0.51)
     {
-        result = BokehLayerLine(Strip2Samp, scale, 2, polygon, true, blur, layers);
+        result = BokehLayerLine(Strip2Samp, Strip2Samp, 2, polygon, true, blur, layers);
         if (polygon.sides > 4)
         {
-            result += BokehLayerLine(Strip3Samp, scale, 3, polygon, true, blur, layers);
+            result += BokehLayerLine(Strip3Samp, Strip3Samp, 3, polygon, true, blur, layers);
         }
         if (polygon.sides > 6)
         {
-            result += BokehLayerLine(Strip4Samp, scale, 4, polygon, true, blur, layers);
+            result += BokehLayerLine(Strip4Samp, Strip4Samp, 4, polygon, true, blur, layers);
         }
         if (polygon.sides > 8)
         {
-            result += BokehLayerLine(Strip5Samp, scale, 5, polygon, true, blur, layers);
+            result += BokehLayerLine(Strip5Samp, Strip5Samp, 5, polygon, true, blur, layers);
         }
         result = result / polygon.area;
     }

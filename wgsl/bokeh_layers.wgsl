@@ -936,15 +936,40 @@ fn BokehHoleFill(MidSamp: texture_2d<f32>, FarSamp: texture_2d<f32>,
 //   The parallelograms of [5], without weights and without a leakage test, because a layer holds
 //   nothing that must not spread. All four channels are blurred, so alpha becomes the coverage.
 
+// Layers: adds up the samples of a line
+//   The caller chooses between a layer and its quarter-size copy, because a renderer that runs on
+//   the CPU would fetch from both in a loop that does.
+//   first         position of the line's start, in texels of `grid`
+//   sampleStep    from one sample to the next
+//   samples       how many, with a fraction: the last sample has this fraction as its weight
+//   phase         position of the last sample within its step, 0.5: the middle
+fn BokehLayerSamples(tex: texture_2d<f32>, first: vec2f, sampleStep: vec2f, samples: f32,
+    phase: f32, grid: BokehGrid, BokehLinearClamp: sampler) -> vec4f
+{
+    var sum: vec4f = vec4f(0.0, 0.0, 0.0, 0.0);
+    for (var i: i32 = 0; i < i32(ceil(samples)); i++)
+    {
+        let part: f32 = clamp(samples - f32(i), 0.0, 1.0);
+        let place: vec2f = first + sampleStep * (f32(i) + part * phase);
+        sum += part * BokehFetchGrid(tex, place, grid, BokehLinearClamp);
+    }
+    return sum;
+}
+
 // Layers: averages the samples along edge k, and in the second pass multiplies the mean by the area
 //   of the edge's parallelograms
-//   tex           a layer, a quarter layer or a strip
-//   scale         divides the size of the image to get the size of tex
+//   tex           the layer, or a strip
+//   QuarterSamp   the layer at quarter size, read if useQuarterLayer of blur is true
 //   blur          from BokehLayerBlur
-fn BokehLayerLine(tex: texture_2d<f32>, scale: f32, k: i32, polygon: BokehPolygon,
+fn BokehLayerLine(tex: texture_2d<f32>, QuarterSamp: texture_2d<f32>, k: i32, polygon: BokehPolygon,
     secondPass: bool, blur: BokehBlur, layers: BokehLayerContext,
-    BokehLinearClamp: sampler) -> vec4f
+        BokehLinearClamp: sampler) -> vec4f
 {
+    var scale: f32 = f32(BOKEH_LAYER_SCALE);
+    if (blur.useQuarterLayer)
+    {
+        scale = 4.0;
+    }
     let grid: BokehGrid = BokehReducedGrid(layers, scale);
     let segment: vec4f = BokehEdgeLine(k, polygon, secondPass) * blur.CoC;
     let samples: f32 = max(2.0 * length(segment.zw) / blur.spacing, 2.0);
@@ -954,11 +979,14 @@ fn BokehLayerLine(tex: texture_2d<f32>, scale: f32, k: i32, polygon: BokehPolygo
         (f32(BOKEH_LAYER_SCALE) / scale);
     let sampleStep: vec2f = segment.zw * (2.0 * f32(BOKEH_LAYER_SCALE) / (scale * samples));
     var sum: vec4f = vec4f(0.0, 0.0, 0.0, 0.0);
-    for (var i: i32 = 0; i < i32(ceil(samples)); i++)
+    if (blur.useQuarterLayer)
     {
-        let part: f32 = clamp(samples - f32(i), 0.0, 1.0);
-        let place: vec2f = first + sampleStep * (f32(i) + part * phase);
-        sum += part * BokehFetchGrid(tex, place, grid, BokehLinearClamp);
+        sum = BokehLayerSamples(QuarterSamp, first, sampleStep, samples, phase,
+            grid, BokehLinearClamp);
+    }
+    else
+    {
+        sum = BokehLayerSamples(tex, first, sampleStep, samples, phase, grid, BokehLinearClamp);
     }
     sum = sum / samples;
     if (secondPass)
@@ -977,38 +1005,6 @@ fn BokehLayerTarget(k: i32, polygon: BokehPolygon, L1: vec4f, L2: vec4f, L3: vec
     return (L1 * w.x + L2 * w.y + L3 * w.z + L4 * w.w) / (w.x + w.y + w.z + w.w);
 }
 
-// Layers: blurs a layer along the edges, first pass
-//   tex           the layer, or the layer at quarter size
-//   scale, blur   as for BokehLayerLine
-//   last          as in BokehExactFirst
-fn BokehLayerStrips(tex: texture_2d<f32>, scale: f32, last: i32, polygon: BokehPolygon,
-    blur: BokehBlur, layers: BokehLayerContext, BokehLinearClamp: sampler) -> BokehTargets
-{
-    let zero: vec4f = vec4f(0.0, 0.0, 0.0, 0.0);
-    var L2: vec4f = zero;
-    var L3: vec4f = zero;
-    var L4: vec4f = zero;
-    let L1: vec4f = BokehLayerLine(tex, scale, 1, polygon, false, blur, layers, BokehLinearClamp);
-    if (last > 2)
-    {
-        L2 = BokehLayerLine(tex, scale, 2, polygon, false, blur, layers, BokehLinearClamp);
-    }
-    if (last > 3)
-    {
-        L3 = BokehLayerLine(tex, scale, 3, polygon, false, blur, layers, BokehLinearClamp);
-    }
-    if (last > 4)
-    {
-        L4 = BokehLayerLine(tex, scale, 4, polygon, false, blur, layers, BokehLinearClamp);
-    }
-    var targets: BokehTargets;
-    targets.strip2 = L1;
-    targets.strip3 = BokehLayerTarget(3, polygon, L1, L2, zero, zero);
-    targets.strip4 = BokehLayerTarget(4, polygon, L1, L2, L3, zero);
-    targets.strip5 = BokehLayerTarget(5, polygon, L1, L2, L3, L4);
-    return targets;
-}
-
 // Layers: blurs a layer, first pass
 //   Reads a layer and layerCoC, and writes its strips, as the first pass of `exact` does but
 //   without weights. A wide blur reads the smooth copy at quarter size, so that polygons stay flat.
@@ -1021,25 +1017,41 @@ fn BokehLayerFirst(LayerSamp: texture_2d<f32>, QuarterSamp: texture_2d<f32>, lay
     isFar: bool, last: i32, polygon: BokehPolygon, layers: BokehLayerContext,
     BokehLinearClamp: sampler) -> BokehTargets
 {
+    let grid: BokehGrid = BokehLayerGrid(layers);
+    let center: vec2f = layers.uv * grid.size;
+    let zero: vec4f = vec4f(0.0, 0.0, 0.0, 0.0);
     var targets: BokehTargets;
     let blur: BokehBlur = BokehLayerBlur(layerCoC, isFar, polygon);
     if (blur.CoC > 0.51)
     {
-        if (blur.useQuarterLayer)
+        var L2: vec4f = zero;
+        var L3: vec4f = zero;
+        var L4: vec4f = zero;
+        let L1: vec4f = BokehLayerLine(LayerSamp, QuarterSamp, 1, polygon, false, blur, layers,
+            BokehLinearClamp);
+        if (last > 2)
         {
-            targets = BokehLayerStrips(QuarterSamp, 4.0, last, polygon,
-                blur, layers, BokehLinearClamp);
+            L2 = BokehLayerLine(LayerSamp, QuarterSamp, 2, polygon, false, blur, layers,
+                BokehLinearClamp);
         }
-        else
+        if (last > 3)
         {
-            targets = BokehLayerStrips(LayerSamp, f32(BOKEH_LAYER_SCALE), last, polygon,
-                blur, layers, BokehLinearClamp);
+            L3 = BokehLayerLine(LayerSamp, QuarterSamp, 3, polygon, false, blur, layers,
+                BokehLinearClamp);
         }
+        if (last > 4)
+        {
+            L4 = BokehLayerLine(LayerSamp, QuarterSamp, 4, polygon, false, blur, layers,
+                BokehLinearClamp);
+        }
+        targets.strip2 = L1;
+        targets.strip3 = BokehLayerTarget(3, polygon, L1, L2, zero, zero);
+        targets.strip4 = BokehLayerTarget(4, polygon, L1, L2, L3, zero);
+        targets.strip5 = BokehLayerTarget(5, polygon, L1, L2, L3, L4);
     }
     else
     {
-        let grid: BokehGrid = BokehLayerGrid(layers);
-        targets.strip2 = BokehFetchGrid(LayerSamp, layers.uv * grid.size, grid, BokehLinearClamp);
+        targets.strip2 = BokehFetchGrid(LayerSamp, center, grid, BokehLinearClamp);
         targets.strip3 = targets.strip2;
         targets.strip4 = targets.strip2;
         targets.strip5 = targets.strip2;
@@ -1059,25 +1071,25 @@ fn BokehLayerSecond(Strip2Samp: texture_2d<f32>, Strip3Samp: texture_2d<f32>,
     let grid: BokehGrid = BokehLayerGrid(layers);
     let center: vec2f = layers.uv * grid.size;
     var result: vec4f = vec4f(0.0, 0.0, 0.0, 0.0);
-    let blur: BokehBlur = BokehLayerBlur(layerCoC, isFar, polygon);
-    let scale: f32 = f32(BOKEH_LAYER_SCALE);
+    var blur: BokehBlur = BokehLayerBlur(layerCoC, isFar, polygon);
+    blur.useQuarterLayer = false;
     if (blur.CoC > 0.51)
     {
-        result = BokehLayerLine(Strip2Samp, scale, 2, polygon, true, blur, layers,
+        result = BokehLayerLine(Strip2Samp, Strip2Samp, 2, polygon, true, blur, layers,
             BokehLinearClamp);
         if (polygon.sides > 4)
         {
-            result += BokehLayerLine(Strip3Samp, scale, 3, polygon, true, blur, layers,
+            result += BokehLayerLine(Strip3Samp, Strip3Samp, 3, polygon, true, blur, layers,
                 BokehLinearClamp);
         }
         if (polygon.sides > 6)
         {
-            result += BokehLayerLine(Strip4Samp, scale, 4, polygon, true, blur, layers,
+            result += BokehLayerLine(Strip4Samp, Strip4Samp, 4, polygon, true, blur, layers,
                 BokehLinearClamp);
         }
         if (polygon.sides > 8)
         {
-            result += BokehLayerLine(Strip5Samp, scale, 5, polygon, true, blur, layers,
+            result += BokehLayerLine(Strip5Samp, Strip5Samp, 5, polygon, true, blur, layers,
                 BokehLinearClamp);
         }
         result = result / polygon.area;

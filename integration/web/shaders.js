@@ -942,7 +942,17 @@ targets.midFill=vec4(midColor.rgb/midColor.a,midWeight);}
 if(farColor.a>.000001){
 targets.farFill=vec4(farColor.rgb/farColor.a,1.);}
 return targets;}
-vec4 BokehLayerLine(sampler2D tex,float scale,int k,BokehPolygon polygon,bool secondPass,BokehBlur blur,BokehLayerContext layers){
+vec4 BokehLayerSamples(sampler2D tex,vec2 first,vec2 sampleStep,float samples,float phase,BokehGrid grid){
+vec4 sum=vec4(0.);
+for(int i=0;i<int(ceil(samples));i++){
+float part=clamp(samples-float(i),0.,1.);
+vec2 place=first+sampleStep*(float(i)+part*phase);
+sum+=part*BokehFetchGrid(tex,place,grid);}
+return sum;}
+vec4 BokehLayerLine(sampler2D tex,sampler2D QuarterSamp,int k,BokehPolygon polygon,bool secondPass,BokehBlur blur,BokehLayerContext layers){
+float scale=float(BOKEH_LAYER_SCALE);
+if(blur.useQuarterLayer){
+scale=4.;}
 BokehGrid grid=BokehReducedGrid(layers,scale);
 vec4 segment=BokehEdgeLine(k,polygon,secondPass)*blur.CoC;
 float samples=max(2.*length(segment.zw)/blur.spacing,2.);
@@ -951,10 +961,10 @@ BokehGrid layerGrid=BokehLayerGrid(layers);
 vec2 first=(layers.uv*layerGrid.size+segment.xy-segment.zw)*(float(BOKEH_LAYER_SCALE)/scale);
 vec2 sampleStep=segment.zw*(2.*float(BOKEH_LAYER_SCALE)/(scale*samples));
 vec4 sum=vec4(0.);
-for(int i=0;i<int(ceil(samples));i++){
-float part=clamp(samples-float(i),0.,1.);
-vec2 place=first+sampleStep*(float(i)+part*phase);
-sum+=part*BokehFetchGrid(tex,place,grid);}
+if(blur.useQuarterLayer){
+sum=BokehLayerSamples(QuarterSamp,first,sampleStep,samples,phase,grid);}
+else{
+sum=BokehLayerSamples(tex,first,sampleStep,samples,phase,grid);}
 sum=sum/samples;
 if(secondPass){
 sum*=BokehEdgeArea(k,polygon);}
@@ -962,35 +972,29 @@ return sum;}
 vec4 BokehLayerTarget(int k,BokehPolygon polygon,vec4 L1,vec4 L2,vec4 L3,vec4 L4){
 vec4 w=BokehEdgeWeights(k,polygon);
 return (L1*w.x+L2*w.y+L3*w.z+L4*w.w)/(w.x+w.y+w.z+w.w);}
-BokehTargets BokehLayerStrips(sampler2D tex,float scale,int last,BokehPolygon polygon,BokehBlur blur,BokehLayerContext layers){
-vec4 zero=vec4(0.);
-vec4 L2=zero;
-vec4 L3=zero;
-vec4 L4=zero;
-vec4 L1=BokehLayerLine(tex,scale,1,polygon,false,blur,layers);
-if(last>2){
-L2=BokehLayerLine(tex,scale,2,polygon,false,blur,layers);}
-if(last>3){
-L3=BokehLayerLine(tex,scale,3,polygon,false,blur,layers);}
-if(last>4){
-L4=BokehLayerLine(tex,scale,4,polygon,false,blur,layers);}
-BokehTargets targets;
-targets.strip2=L1;
-targets.strip3=BokehLayerTarget(3,polygon,L1,L2,zero,zero);
-targets.strip4=BokehLayerTarget(4,polygon,L1,L2,L3,zero);
-targets.strip5=BokehLayerTarget(5,polygon,L1,L2,L3,L4);
-return targets;}
 BokehTargets BokehLayerFirst(sampler2D LayerSamp,sampler2D QuarterSamp,vec2 layerCoC,bool isFar,int last,BokehPolygon polygon,BokehLayerContext layers){
+BokehGrid grid=BokehLayerGrid(layers);
+vec2 center=layers.uv*grid.size;
+vec4 zero=vec4(0.);
 BokehTargets targets;
 BokehBlur blur=BokehLayerBlur(layerCoC,isFar,polygon);
 if(blur.CoC>.51){
-if(blur.useQuarterLayer){
-targets=BokehLayerStrips(QuarterSamp,4.,last,polygon,blur,layers);}
+vec4 L2=zero;
+vec4 L3=zero;
+vec4 L4=zero;
+vec4 L1=BokehLayerLine(LayerSamp,QuarterSamp,1,polygon,false,blur,layers);
+if(last>2){
+L2=BokehLayerLine(LayerSamp,QuarterSamp,2,polygon,false,blur,layers);}
+if(last>3){
+L3=BokehLayerLine(LayerSamp,QuarterSamp,3,polygon,false,blur,layers);}
+if(last>4){
+L4=BokehLayerLine(LayerSamp,QuarterSamp,4,polygon,false,blur,layers);}
+targets.strip2=L1;
+targets.strip3=BokehLayerTarget(3,polygon,L1,L2,zero,zero);
+targets.strip4=BokehLayerTarget(4,polygon,L1,L2,L3,zero);
+targets.strip5=BokehLayerTarget(5,polygon,L1,L2,L3,L4);}
 else{
-targets=BokehLayerStrips(LayerSamp,float(BOKEH_LAYER_SCALE),last,polygon,blur,layers);}}
-else{
-BokehGrid grid=BokehLayerGrid(layers);
-targets.strip2=BokehFetchGrid(LayerSamp,layers.uv*grid.size,grid);
+targets.strip2=BokehFetchGrid(LayerSamp,center,grid);
 targets.strip3=targets.strip2;
 targets.strip4=targets.strip2;
 targets.strip5=targets.strip2;}
@@ -1000,15 +1004,15 @@ BokehGrid grid=BokehLayerGrid(layers);
 vec2 center=layers.uv*grid.size;
 vec4 result=vec4(0.);
 BokehBlur blur=BokehLayerBlur(layerCoC,isFar,polygon);
-float scale=float(BOKEH_LAYER_SCALE);
+blur.useQuarterLayer=false;
 if(blur.CoC>.51){
-result=BokehLayerLine(Strip2Samp,scale,2,polygon,true,blur,layers);
+result=BokehLayerLine(Strip2Samp,Strip2Samp,2,polygon,true,blur,layers);
 if(polygon.sides>4){
-result+=BokehLayerLine(Strip3Samp,scale,3,polygon,true,blur,layers);}
+result+=BokehLayerLine(Strip3Samp,Strip3Samp,3,polygon,true,blur,layers);}
 if(polygon.sides>6){
-result+=BokehLayerLine(Strip4Samp,scale,4,polygon,true,blur,layers);}
+result+=BokehLayerLine(Strip4Samp,Strip4Samp,4,polygon,true,blur,layers);}
 if(polygon.sides>8){
-result+=BokehLayerLine(Strip5Samp,scale,5,polygon,true,blur,layers);}
+result+=BokehLayerLine(Strip5Samp,Strip5Samp,5,polygon,true,blur,layers);}
 result=result/polygon.area;}
 else{
 result=BokehFetchGrid(Strip2Samp,center,grid);}
@@ -2167,7 +2171,17 @@ targets.midFill=vec4f(midColor.rgb/midColor.a,midWeight);}
 if(farColor.a>.000001){
 targets.farFill=vec4f(farColor.rgb/farColor.a,1.);}
 return targets;}
-fn BokehLayerLine(tex:texture_2d<f32>,scale:f32,k:i32,polygon:BokehPolygon,secondPass:bool,blur:BokehBlur,layers:BokehLayerContext,BokehLinearClamp:sampler)->vec4f{
+fn BokehLayerSamples(tex:texture_2d<f32>,first:vec2f,sampleStep:vec2f,samples:f32,phase:f32,grid:BokehGrid,BokehLinearClamp:sampler)->vec4f{
+var sum=vec4f(0.);
+for(var i=0;i<i32(ceil(samples));i++){
+let part=clamp(samples-f32(i),0.,1.);
+let place=first+sampleStep*(f32(i)+part*phase);
+sum+=part*BokehFetchGrid(tex,place,grid,BokehLinearClamp);}
+return sum;}
+fn BokehLayerLine(tex:texture_2d<f32>,QuarterSamp:texture_2d<f32>,k:i32,polygon:BokehPolygon,secondPass:bool,blur:BokehBlur,layers:BokehLayerContext,BokehLinearClamp:sampler)->vec4f{
+var scale=f32(BOKEH_LAYER_SCALE);
+if(blur.useQuarterLayer){
+scale=4.;}
 let grid=BokehReducedGrid(layers,scale);
 let segment=BokehEdgeLine(k,polygon,secondPass)*blur.CoC;
 let samples=max(2.*length(segment.zw)/blur.spacing,2.);
@@ -2176,10 +2190,10 @@ let layerGrid=BokehLayerGrid(layers);
 let first=(layers.uv*layerGrid.size+segment.xy-segment.zw)*(f32(BOKEH_LAYER_SCALE)/scale);
 let sampleStep=segment.zw*(2.*f32(BOKEH_LAYER_SCALE)/(scale*samples));
 var sum=vec4f(0.);
-for(var i=0;i<i32(ceil(samples));i++){
-let part=clamp(samples-f32(i),0.,1.);
-let place=first+sampleStep*(f32(i)+part*phase);
-sum+=part*BokehFetchGrid(tex,place,grid,BokehLinearClamp);}
+if(blur.useQuarterLayer){
+sum=BokehLayerSamples(QuarterSamp,first,sampleStep,samples,phase,grid,BokehLinearClamp);}
+else{
+sum=BokehLayerSamples(tex,first,sampleStep,samples,phase,grid,BokehLinearClamp);}
 sum=sum/samples;
 if(secondPass){
 sum*=BokehEdgeArea(k,polygon);}
@@ -2187,35 +2201,29 @@ return sum;}
 fn BokehLayerTarget(k:i32,polygon:BokehPolygon,L1:vec4f,L2:vec4f,L3:vec4f,L4:vec4f)->vec4f{
 let w=BokehEdgeWeights(k,polygon);
 return (L1*w.x+L2*w.y+L3*w.z+L4*w.w)/(w.x+w.y+w.z+w.w);}
-fn BokehLayerStrips(tex:texture_2d<f32>,scale:f32,last:i32,polygon:BokehPolygon,blur:BokehBlur,layers:BokehLayerContext,BokehLinearClamp:sampler)->BokehTargets{
-let zero=vec4f(0.);
-var L2=zero;
-var L3=zero;
-var L4=zero;
-let L1=BokehLayerLine(tex,scale,1,polygon,false,blur,layers,BokehLinearClamp);
-if(last>2){
-L2=BokehLayerLine(tex,scale,2,polygon,false,blur,layers,BokehLinearClamp);}
-if(last>3){
-L3=BokehLayerLine(tex,scale,3,polygon,false,blur,layers,BokehLinearClamp);}
-if(last>4){
-L4=BokehLayerLine(tex,scale,4,polygon,false,blur,layers,BokehLinearClamp);}
-var targets:BokehTargets;
-targets.strip2=L1;
-targets.strip3=BokehLayerTarget(3,polygon,L1,L2,zero,zero);
-targets.strip4=BokehLayerTarget(4,polygon,L1,L2,L3,zero);
-targets.strip5=BokehLayerTarget(5,polygon,L1,L2,L3,L4);
-return targets;}
 fn BokehLayerFirst(LayerSamp:texture_2d<f32>,QuarterSamp:texture_2d<f32>,layerCoC:vec2f,isFar:bool,last:i32,polygon:BokehPolygon,layers:BokehLayerContext,BokehLinearClamp:sampler)->BokehTargets{
+let grid=BokehLayerGrid(layers);
+let center=layers.uv*grid.size;
+let zero=vec4f(0.);
 var targets:BokehTargets;
 let blur=BokehLayerBlur(layerCoC,isFar,polygon);
 if(blur.CoC>.51){
-if(blur.useQuarterLayer){
-targets=BokehLayerStrips(QuarterSamp,4.,last,polygon,blur,layers,BokehLinearClamp);}
+var L2=zero;
+var L3=zero;
+var L4=zero;
+let L1=BokehLayerLine(LayerSamp,QuarterSamp,1,polygon,false,blur,layers,BokehLinearClamp);
+if(last>2){
+L2=BokehLayerLine(LayerSamp,QuarterSamp,2,polygon,false,blur,layers,BokehLinearClamp);}
+if(last>3){
+L3=BokehLayerLine(LayerSamp,QuarterSamp,3,polygon,false,blur,layers,BokehLinearClamp);}
+if(last>4){
+L4=BokehLayerLine(LayerSamp,QuarterSamp,4,polygon,false,blur,layers,BokehLinearClamp);}
+targets.strip2=L1;
+targets.strip3=BokehLayerTarget(3,polygon,L1,L2,zero,zero);
+targets.strip4=BokehLayerTarget(4,polygon,L1,L2,L3,zero);
+targets.strip5=BokehLayerTarget(5,polygon,L1,L2,L3,L4);}
 else{
-targets=BokehLayerStrips(LayerSamp,f32(BOKEH_LAYER_SCALE),last,polygon,blur,layers,BokehLinearClamp);}}
-else{
-let grid=BokehLayerGrid(layers);
-targets.strip2=BokehFetchGrid(LayerSamp,layers.uv*grid.size,grid,BokehLinearClamp);
+targets.strip2=BokehFetchGrid(LayerSamp,center,grid,BokehLinearClamp);
 targets.strip3=targets.strip2;
 targets.strip4=targets.strip2;
 targets.strip5=targets.strip2;}
@@ -2224,16 +2232,16 @@ fn BokehLayerSecond(Strip2Samp:texture_2d<f32>,Strip3Samp:texture_2d<f32>,Strip4
 let grid=BokehLayerGrid(layers);
 let center=layers.uv*grid.size;
 var result=vec4f(0.);
-let blur=BokehLayerBlur(layerCoC,isFar,polygon);
-let scale=f32(BOKEH_LAYER_SCALE);
+var blur=BokehLayerBlur(layerCoC,isFar,polygon);
+blur.useQuarterLayer=false;
 if(blur.CoC>.51){
-result=BokehLayerLine(Strip2Samp,scale,2,polygon,true,blur,layers,BokehLinearClamp);
+result=BokehLayerLine(Strip2Samp,Strip2Samp,2,polygon,true,blur,layers,BokehLinearClamp);
 if(polygon.sides>4){
-result+=BokehLayerLine(Strip3Samp,scale,3,polygon,true,blur,layers,BokehLinearClamp);}
+result+=BokehLayerLine(Strip3Samp,Strip3Samp,3,polygon,true,blur,layers,BokehLinearClamp);}
 if(polygon.sides>6){
-result+=BokehLayerLine(Strip4Samp,scale,4,polygon,true,blur,layers,BokehLinearClamp);}
+result+=BokehLayerLine(Strip4Samp,Strip4Samp,4,polygon,true,blur,layers,BokehLinearClamp);}
 if(polygon.sides>8){
-result+=BokehLayerLine(Strip5Samp,scale,5,polygon,true,blur,layers,BokehLinearClamp);}
+result+=BokehLayerLine(Strip5Samp,Strip5Samp,5,polygon,true,blur,layers,BokehLinearClamp);}
 result=result/polygon.area;}
 else{
 result=BokehFetchGrid(Strip2Samp,center,grid,BokehLinearClamp);}

@@ -1391,10 +1391,27 @@ targets.farFill = vec4f(farColor.rgb / farColor.a, 1.0);
 }
 return targets;
 }
-fn BokehLayerLine(tex: texture_2d<f32>, scale: f32, k: i32, polygon: BokehPolygon,
+fn BokehLayerSamples(tex: texture_2d<f32>, first: vec2f, sampleStep: vec2f, samples: f32,
+phase: f32, grid: BokehGrid, BokehLinearClamp: sampler) -> vec4f
+{
+var sum: vec4f = vec4f(0.0, 0.0, 0.0, 0.0);
+for (var i: i32 = 0; i < i32(ceil(samples)); i++)
+{
+let part: f32 = clamp(samples - f32(i), 0.0, 1.0);
+let place: vec2f = first + sampleStep * (f32(i) + part * phase);
+sum += part * BokehFetchGrid(tex, place, grid, BokehLinearClamp);
+}
+return sum;
+}
+fn BokehLayerLine(tex: texture_2d<f32>, QuarterSamp: texture_2d<f32>, k: i32, polygon: BokehPolygon,
 secondPass: bool, blur: BokehBlur, layers: BokehLayerContext,
 BokehLinearClamp: sampler) -> vec4f
 {
+var scale: f32 = f32(BOKEH_LAYER_SCALE);
+if (blur.useQuarterLayer)
+{
+scale = 4.0;
+}
 let grid: BokehGrid = BokehReducedGrid(layers, scale);
 let segment: vec4f = BokehEdgeLine(k, polygon, secondPass) * blur.CoC;
 let samples: f32 = max(2.0 * length(segment.zw) / blur.spacing, 2.0);
@@ -1404,11 +1421,14 @@ let first: vec2f = (layers.uv * layerGrid.size + segment.xy - segment.zw) *
 (f32(BOKEH_LAYER_SCALE) / scale);
 let sampleStep: vec2f = segment.zw * (2.0 * f32(BOKEH_LAYER_SCALE) / (scale * samples));
 var sum: vec4f = vec4f(0.0, 0.0, 0.0, 0.0);
-for (var i: i32 = 0; i < i32(ceil(samples)); i++)
+if (blur.useQuarterLayer)
 {
-let part: f32 = clamp(samples - f32(i), 0.0, 1.0);
-let place: vec2f = first + sampleStep * (f32(i) + part * phase);
-sum += part * BokehFetchGrid(tex, place, grid, BokehLinearClamp);
+sum = BokehLayerSamples(QuarterSamp, first, sampleStep, samples, phase,
+grid, BokehLinearClamp);
+}
+else
+{
+sum = BokehLayerSamples(tex, first, sampleStep, samples, phase, grid, BokehLinearClamp);
 }
 sum = sum / samples;
 if (secondPass)
@@ -1423,56 +1443,45 @@ L4: vec4f) -> vec4f
 let w: vec4f = BokehEdgeWeights(k, polygon);
 return (L1 * w.x + L2 * w.y + L3 * w.z + L4 * w.w) / (w.x + w.y + w.z + w.w);
 }
-fn BokehLayerStrips(tex: texture_2d<f32>, scale: f32, last: i32, polygon: BokehPolygon,
-blur: BokehBlur, layers: BokehLayerContext, BokehLinearClamp: sampler) -> BokehTargets
-{
-let zero: vec4f = vec4f(0.0, 0.0, 0.0, 0.0);
-var L2: vec4f = zero;
-var L3: vec4f = zero;
-var L4: vec4f = zero;
-let L1: vec4f = BokehLayerLine(tex, scale, 1, polygon, false, blur, layers, BokehLinearClamp);
-if (last > 2)
-{
-L2 = BokehLayerLine(tex, scale, 2, polygon, false, blur, layers, BokehLinearClamp);
-}
-if (last > 3)
-{
-L3 = BokehLayerLine(tex, scale, 3, polygon, false, blur, layers, BokehLinearClamp);
-}
-if (last > 4)
-{
-L4 = BokehLayerLine(tex, scale, 4, polygon, false, blur, layers, BokehLinearClamp);
-}
-var targets: BokehTargets;
-targets.strip2 = L1;
-targets.strip3 = BokehLayerTarget(3, polygon, L1, L2, zero, zero);
-targets.strip4 = BokehLayerTarget(4, polygon, L1, L2, L3, zero);
-targets.strip5 = BokehLayerTarget(5, polygon, L1, L2, L3, L4);
-return targets;
-}
 fn BokehLayerFirst(LayerSamp: texture_2d<f32>, QuarterSamp: texture_2d<f32>, layerCoC: vec2f,
 isFar: bool, last: i32, polygon: BokehPolygon, layers: BokehLayerContext,
 BokehLinearClamp: sampler) -> BokehTargets
 {
+let grid: BokehGrid = BokehLayerGrid(layers);
+let center: vec2f = layers.uv * grid.size;
+let zero: vec4f = vec4f(0.0, 0.0, 0.0, 0.0);
 var targets: BokehTargets;
 let blur: BokehBlur = BokehLayerBlur(layerCoC, isFar, polygon);
 if (blur.CoC > 0.51)
 {
-if (blur.useQuarterLayer)
+var L2: vec4f = zero;
+var L3: vec4f = zero;
+var L4: vec4f = zero;
+let L1: vec4f = BokehLayerLine(LayerSamp, QuarterSamp, 1, polygon, false, blur, layers,
+BokehLinearClamp);
+if (last > 2)
 {
-targets = BokehLayerStrips(QuarterSamp, 4.0, last, polygon,
-blur, layers, BokehLinearClamp);
+L2 = BokehLayerLine(LayerSamp, QuarterSamp, 2, polygon, false, blur, layers,
+BokehLinearClamp);
+}
+if (last > 3)
+{
+L3 = BokehLayerLine(LayerSamp, QuarterSamp, 3, polygon, false, blur, layers,
+BokehLinearClamp);
+}
+if (last > 4)
+{
+L4 = BokehLayerLine(LayerSamp, QuarterSamp, 4, polygon, false, blur, layers,
+BokehLinearClamp);
+}
+targets.strip2 = L1;
+targets.strip3 = BokehLayerTarget(3, polygon, L1, L2, zero, zero);
+targets.strip4 = BokehLayerTarget(4, polygon, L1, L2, L3, zero);
+targets.strip5 = BokehLayerTarget(5, polygon, L1, L2, L3, L4);
 }
 else
 {
-targets = BokehLayerStrips(LayerSamp, f32(BOKEH_LAYER_SCALE), last, polygon,
-blur, layers, BokehLinearClamp);
-}
-}
-else
-{
-let grid: BokehGrid = BokehLayerGrid(layers);
-targets.strip2 = BokehFetchGrid(LayerSamp, layers.uv * grid.size, grid, BokehLinearClamp);
+targets.strip2 = BokehFetchGrid(LayerSamp, center, grid, BokehLinearClamp);
 targets.strip3 = targets.strip2;
 targets.strip4 = targets.strip2;
 targets.strip5 = targets.strip2;
@@ -1486,25 +1495,25 @@ polygon: BokehPolygon, layers: BokehLayerContext, BokehLinearClamp: sampler) -> 
 let grid: BokehGrid = BokehLayerGrid(layers);
 let center: vec2f = layers.uv * grid.size;
 var result: vec4f = vec4f(0.0, 0.0, 0.0, 0.0);
-let blur: BokehBlur = BokehLayerBlur(layerCoC, isFar, polygon);
-let scale: f32 = f32(BOKEH_LAYER_SCALE);
+var blur: BokehBlur = BokehLayerBlur(layerCoC, isFar, polygon);
+blur.useQuarterLayer = false;
 if (blur.CoC > 0.51)
 {
-result = BokehLayerLine(Strip2Samp, scale, 2, polygon, true, blur, layers,
+result = BokehLayerLine(Strip2Samp, Strip2Samp, 2, polygon, true, blur, layers,
 BokehLinearClamp);
 if (polygon.sides > 4)
 {
-result += BokehLayerLine(Strip3Samp, scale, 3, polygon, true, blur, layers,
+result += BokehLayerLine(Strip3Samp, Strip3Samp, 3, polygon, true, blur, layers,
 BokehLinearClamp);
 }
 if (polygon.sides > 6)
 {
-result += BokehLayerLine(Strip4Samp, scale, 4, polygon, true, blur, layers,
+result += BokehLayerLine(Strip4Samp, Strip4Samp, 4, polygon, true, blur, layers,
 BokehLinearClamp);
 }
 if (polygon.sides > 8)
 {
-result += BokehLayerLine(Strip5Samp, scale, 5, polygon, true, blur, layers,
+result += BokehLayerLine(Strip5Samp, Strip5Samp, 5, polygon, true, blur, layers,
 BokehLinearClamp);
 }
 result = result / polygon.area;

@@ -1484,9 +1484,26 @@ targets.farFill = vec4(farColor.rgb / farColor.a, 1.0);
 }
 return targets;
 }
-vec4 BokehLayerLine(BOKEH_TEXTURE tex, float scale, int k, BokehPolygon polygon, bool secondPass,
-BokehBlur blur, BokehLayerContext layers)
+vec4 BokehLayerSamples(BOKEH_TEXTURE tex, vec2 first, vec2 sampleStep, float samples, float phase,
+BokehGrid grid)
 {
+vec4 sum = vec4(0.0, 0.0, 0.0, 0.0);
+for (int i = 0; i < int(ceil(samples)); i++)
+{
+float part = clamp(samples - float(i), 0.0, 1.0);
+vec2 place = first + sampleStep * (float(i) + part * phase);
+sum += part * BokehFetchGrid(tex, place, grid);
+}
+return sum;
+}
+vec4 BokehLayerLine(BOKEH_TEXTURE tex, BOKEH_TEXTURE QuarterSamp, int k, BokehPolygon polygon,
+bool secondPass, BokehBlur blur, BokehLayerContext layers)
+{
+float scale = float(BOKEH_LAYER_SCALE);
+if (blur.useQuarterLayer)
+{
+scale = 4.0;
+}
 BokehGrid grid = BokehReducedGrid(layers, scale);
 vec4 segment = BokehEdgeLine(k, polygon, secondPass) * blur.CoC;
 float samples = max(2.0 * length(segment.zw) / blur.spacing, 2.0);
@@ -1496,11 +1513,13 @@ vec2 first = (layers.uv * layerGrid.size + segment.xy - segment.zw) *
 (float(BOKEH_LAYER_SCALE) / scale);
 vec2 sampleStep = segment.zw * (2.0 * float(BOKEH_LAYER_SCALE) / (scale * samples));
 vec4 sum = vec4(0.0, 0.0, 0.0, 0.0);
-for (int i = 0; i < int(ceil(samples)); i++)
+if (blur.useQuarterLayer)
 {
-float part = clamp(samples - float(i), 0.0, 1.0);
-vec2 place = first + sampleStep * (float(i) + part * phase);
-sum += part * BokehFetchGrid(tex, place, grid);
+sum = BokehLayerSamples(QuarterSamp, first, sampleStep, samples, phase, grid);
+}
+else
+{
+sum = BokehLayerSamples(tex, first, sampleStep, samples, phase, grid);
 }
 sum = sum / samples;
 if (secondPass)
@@ -1514,54 +1533,40 @@ vec4 BokehLayerTarget(int k, BokehPolygon polygon, vec4 L1, vec4 L2, vec4 L3, ve
 vec4 w = BokehEdgeWeights(k, polygon);
 return (L1 * w.x + L2 * w.y + L3 * w.z + L4 * w.w) / (w.x + w.y + w.z + w.w);
 }
-BokehTargets BokehLayerStrips(BOKEH_TEXTURE tex, float scale, int last, BokehPolygon polygon,
-BokehBlur blur, BokehLayerContext layers)
-{
-vec4 zero = vec4(0.0, 0.0, 0.0, 0.0);
-vec4 L2 = zero;
-vec4 L3 = zero;
-vec4 L4 = zero;
-vec4 L1 = BokehLayerLine(tex, scale, 1, polygon, false, blur, layers);
-if (last > 2)
-{
-L2 = BokehLayerLine(tex, scale, 2, polygon, false, blur, layers);
-}
-if (last > 3)
-{
-L3 = BokehLayerLine(tex, scale, 3, polygon, false, blur, layers);
-}
-if (last > 4)
-{
-L4 = BokehLayerLine(tex, scale, 4, polygon, false, blur, layers);
-}
-BokehTargets targets;
-targets.strip2 = L1;
-targets.strip3 = BokehLayerTarget(3, polygon, L1, L2, zero, zero);
-targets.strip4 = BokehLayerTarget(4, polygon, L1, L2, L3, zero);
-targets.strip5 = BokehLayerTarget(5, polygon, L1, L2, L3, L4);
-return targets;
-}
 BokehTargets BokehLayerFirst(BOKEH_TEXTURE LayerSamp, BOKEH_TEXTURE QuarterSamp, vec2 layerCoC,
 bool isFar, int last, BokehPolygon polygon, BokehLayerContext layers)
 {
+BokehGrid grid = BokehLayerGrid(layers);
+vec2 center = layers.uv * grid.size;
+vec4 zero = vec4(0.0, 0.0, 0.0, 0.0);
 BokehTargets targets;
 BokehBlur blur = BokehLayerBlur(layerCoC, isFar, polygon);
 if (blur.CoC > 0.51)
 {
-if (blur.useQuarterLayer)
+vec4 L2 = zero;
+vec4 L3 = zero;
+vec4 L4 = zero;
+vec4 L1 = BokehLayerLine(LayerSamp, QuarterSamp, 1, polygon, false, blur, layers);
+if (last > 2)
 {
-targets = BokehLayerStrips(QuarterSamp, 4.0, last, polygon, blur, layers);
+L2 = BokehLayerLine(LayerSamp, QuarterSamp, 2, polygon, false, blur, layers);
+}
+if (last > 3)
+{
+L3 = BokehLayerLine(LayerSamp, QuarterSamp, 3, polygon, false, blur, layers);
+}
+if (last > 4)
+{
+L4 = BokehLayerLine(LayerSamp, QuarterSamp, 4, polygon, false, blur, layers);
+}
+targets.strip2 = L1;
+targets.strip3 = BokehLayerTarget(3, polygon, L1, L2, zero, zero);
+targets.strip4 = BokehLayerTarget(4, polygon, L1, L2, L3, zero);
+targets.strip5 = BokehLayerTarget(5, polygon, L1, L2, L3, L4);
 }
 else
 {
-targets = BokehLayerStrips(LayerSamp, float(BOKEH_LAYER_SCALE), last, polygon,
-blur, layers);
-}
-}
-else
-{
-BokehGrid grid = BokehLayerGrid(layers);
-targets.strip2 = BokehFetchGrid(LayerSamp, layers.uv * grid.size, grid);
+targets.strip2 = BokehFetchGrid(LayerSamp, center, grid);
 targets.strip3 = targets.strip2;
 targets.strip4 = targets.strip2;
 targets.strip5 = targets.strip2;
@@ -1576,21 +1581,21 @@ BokehGrid grid = BokehLayerGrid(layers);
 vec2 center = layers.uv * grid.size;
 vec4 result = vec4(0.0, 0.0, 0.0, 0.0);
 BokehBlur blur = BokehLayerBlur(layerCoC, isFar, polygon);
-float scale = float(BOKEH_LAYER_SCALE);
+blur.useQuarterLayer = false;
 if (blur.CoC > 0.51)
 {
-result = BokehLayerLine(Strip2Samp, scale, 2, polygon, true, blur, layers);
+result = BokehLayerLine(Strip2Samp, Strip2Samp, 2, polygon, true, blur, layers);
 if (polygon.sides > 4)
 {
-result += BokehLayerLine(Strip3Samp, scale, 3, polygon, true, blur, layers);
+result += BokehLayerLine(Strip3Samp, Strip3Samp, 3, polygon, true, blur, layers);
 }
 if (polygon.sides > 6)
 {
-result += BokehLayerLine(Strip4Samp, scale, 4, polygon, true, blur, layers);
+result += BokehLayerLine(Strip4Samp, Strip4Samp, 4, polygon, true, blur, layers);
 }
 if (polygon.sides > 8)
 {
-result += BokehLayerLine(Strip5Samp, scale, 5, polygon, true, blur, layers);
+result += BokehLayerLine(Strip5Samp, Strip5Samp, 5, polygon, true, blur, layers);
 }
 result = result / polygon.area;
 }

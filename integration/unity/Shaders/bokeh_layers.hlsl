@@ -979,14 +979,39 @@ BokehFilled BokehHoleFill(BOKEH_TEXTURE MidSamp, BOKEH_TEXTURE FarSamp,
 //   The parallelograms of [5], without weights and without a leakage test, because a layer holds
 //   nothing that must not spread. All four channels are blurred, so alpha becomes the coverage.
 
+// Layers: adds up the samples of a line
+//   The caller chooses between a layer and its quarter-size copy, because a renderer that runs on
+//   the CPU would fetch from both in a loop that does.
+//   first         position of the line's start, in texels of `grid`
+//   sampleStep    from one sample to the next
+//   samples       how many, with a fraction: the last sample has this fraction as its weight
+//   phase         position of the last sample within its step, 0.5: the middle
+float4 BokehLayerSamples(BOKEH_TEXTURE tex, float2 first, float2 sampleStep, float samples,
+    float phase, BokehGrid grid BOKEH_SAMPLER)
+{
+    float4 sum = float4(0.0, 0.0, 0.0, 0.0);
+    BOKEH_LOOP for (int i = 0; i < int(ceil(samples)); i++)
+    {
+        float part = clamp(samples - float(i), 0.0, 1.0);
+        float2 place = first + sampleStep * (float(i) + part * phase);
+        sum += part * BokehFetchGrid(tex, place, grid BOKEH_LINEAR);
+    }
+    return sum;
+}
+
 // Layers: averages the samples along edge k, and in the second pass multiplies the mean by the area
 //   of the edge's parallelograms
-//   tex           a layer, a quarter layer or a strip
-//   scale         divides the size of the image to get the size of tex
+//   tex           the layer, or a strip
+//   QuarterSamp   the layer at quarter size, read if useQuarterLayer of blur is true
 //   blur          from BokehLayerBlur
-float4 BokehLayerLine(BOKEH_TEXTURE tex, float scale, int k, BokehPolygon polygon,
+float4 BokehLayerLine(BOKEH_TEXTURE tex, BOKEH_TEXTURE QuarterSamp, int k, BokehPolygon polygon,
     bool secondPass, BokehBlur blur, BokehLayerContext layers BOKEH_SAMPLER)
 {
+    float scale = float(BOKEH_LAYER_SCALE);
+    if (blur.useQuarterLayer)
+    {
+        scale = 4.0;
+    }
     BokehGrid grid = BokehReducedGrid(layers, scale);
     float4 segment = BokehEdgeLine(k, polygon, secondPass) * blur.CoC;
     float samples = max(2.0 * length(segment.zw) / blur.spacing, 2.0);
@@ -996,11 +1021,13 @@ float4 BokehLayerLine(BOKEH_TEXTURE tex, float scale, int k, BokehPolygon polygo
         (float(BOKEH_LAYER_SCALE) / scale);
     float2 sampleStep = segment.zw * (2.0 * float(BOKEH_LAYER_SCALE) / (scale * samples));
     float4 sum = float4(0.0, 0.0, 0.0, 0.0);
-    BOKEH_LOOP for (int i = 0; i < int(ceil(samples)); i++)
+    if (blur.useQuarterLayer)
     {
-        float part = clamp(samples - float(i), 0.0, 1.0);
-        float2 place = first + sampleStep * (float(i) + part * phase);
-        sum += part * BokehFetchGrid(tex, place, grid BOKEH_LINEAR);
+        sum = BokehLayerSamples(QuarterSamp, first, sampleStep, samples, phase, grid BOKEH_LINEAR);
+    }
+    else
+    {
+        sum = BokehLayerSamples(tex, first, sampleStep, samples, phase, grid BOKEH_LINEAR);
     }
     sum = sum / samples;
     if (secondPass)
@@ -1018,38 +1045,6 @@ float4 BokehLayerTarget(int k, BokehPolygon polygon, float4 L1, float4 L2, float
     return (L1 * w.x + L2 * w.y + L3 * w.z + L4 * w.w) / (w.x + w.y + w.z + w.w);
 }
 
-// Layers: blurs a layer along the edges, first pass
-//   tex           the layer, or the layer at quarter size
-//   scale, blur   as for BokehLayerLine
-//   last          as in BokehExactFirst
-BokehTargets BokehLayerStrips(BOKEH_TEXTURE tex, float scale, int last, BokehPolygon polygon,
-    BokehBlur blur, BokehLayerContext layers BOKEH_SAMPLER)
-{
-    float4 zero = float4(0.0, 0.0, 0.0, 0.0);
-    float4 L2 = zero;
-    float4 L3 = zero;
-    float4 L4 = zero;
-    float4 L1 = BokehLayerLine(tex, scale, 1, polygon, false, blur, layers BOKEH_LINEAR);
-    if (last > 2)
-    {
-        L2 = BokehLayerLine(tex, scale, 2, polygon, false, blur, layers BOKEH_LINEAR);
-    }
-    if (last > 3)
-    {
-        L3 = BokehLayerLine(tex, scale, 3, polygon, false, blur, layers BOKEH_LINEAR);
-    }
-    if (last > 4)
-    {
-        L4 = BokehLayerLine(tex, scale, 4, polygon, false, blur, layers BOKEH_LINEAR);
-    }
-    BokehTargets targets;
-    targets.strip2 = L1;
-    targets.strip3 = BokehLayerTarget(3, polygon, L1, L2, zero, zero);
-    targets.strip4 = BokehLayerTarget(4, polygon, L1, L2, L3, zero);
-    targets.strip5 = BokehLayerTarget(5, polygon, L1, L2, L3, L4);
-    return targets;
-}
-
 // Layers: blurs a layer, first pass
 //   Reads a layer and layerCoC, and writes its strips, as the first pass of `exact` does but
 //   without weights. A wide blur reads the smooth copy at quarter size, so that polygons stay flat.
@@ -1061,24 +1056,41 @@ BokehTargets BokehLayerStrips(BOKEH_TEXTURE tex, float scale, int last, BokehPol
 BokehTargets BokehLayerFirst(BOKEH_TEXTURE LayerSamp, BOKEH_TEXTURE QuarterSamp, float2 layerCoC,
     bool isFar, int last, BokehPolygon polygon, BokehLayerContext layers BOKEH_SAMPLER)
 {
+    BokehGrid grid = BokehLayerGrid(layers);
+    float2 center = layers.uv * grid.size;
+    float4 zero = float4(0.0, 0.0, 0.0, 0.0);
     BokehTargets targets;
     BokehBlur blur = BokehLayerBlur(layerCoC, isFar, polygon);
     if (blur.CoC > 0.51)
     {
-        if (blur.useQuarterLayer)
+        float4 L2 = zero;
+        float4 L3 = zero;
+        float4 L4 = zero;
+        float4 L1 = BokehLayerLine(LayerSamp, QuarterSamp, 1, polygon, false, blur,
+            layers BOKEH_LINEAR);
+        if (last > 2)
         {
-            targets = BokehLayerStrips(QuarterSamp, 4.0, last, polygon, blur, layers BOKEH_LINEAR);
+            L2 = BokehLayerLine(LayerSamp, QuarterSamp, 2, polygon, false, blur,
+                layers BOKEH_LINEAR);
         }
-        else
+        if (last > 3)
         {
-            targets = BokehLayerStrips(LayerSamp, float(BOKEH_LAYER_SCALE), last, polygon,
-                blur, layers BOKEH_LINEAR);
+            L3 = BokehLayerLine(LayerSamp, QuarterSamp, 3, polygon, false, blur,
+                layers BOKEH_LINEAR);
         }
+        if (last > 4)
+        {
+            L4 = BokehLayerLine(LayerSamp, QuarterSamp, 4, polygon, false, blur,
+                layers BOKEH_LINEAR);
+        }
+        targets.strip2 = L1;
+        targets.strip3 = BokehLayerTarget(3, polygon, L1, L2, zero, zero);
+        targets.strip4 = BokehLayerTarget(4, polygon, L1, L2, L3, zero);
+        targets.strip5 = BokehLayerTarget(5, polygon, L1, L2, L3, L4);
     }
     else
     {
-        BokehGrid grid = BokehLayerGrid(layers);
-        targets.strip2 = BokehFetchGrid(LayerSamp, layers.uv * grid.size, grid BOKEH_LINEAR);
+        targets.strip2 = BokehFetchGrid(LayerSamp, center, grid BOKEH_LINEAR);
         targets.strip3 = targets.strip2;
         targets.strip4 = targets.strip2;
         targets.strip5 = targets.strip2;
@@ -1099,23 +1111,24 @@ float4 BokehLayerSecond(BOKEH_TEXTURE Strip2Samp, BOKEH_TEXTURE Strip3Samp,
     float2 center = layers.uv * grid.size;
     float4 result = float4(0.0, 0.0, 0.0, 0.0);
     BokehBlur blur = BokehLayerBlur(layerCoC, isFar, polygon);
-    float scale = float(BOKEH_LAYER_SCALE);
+    blur.useQuarterLayer = false;
     if (blur.CoC > 0.51)
     {
-        result = BokehLayerLine(Strip2Samp, scale, 2, polygon, true, blur, layers BOKEH_LINEAR);
+        result = BokehLayerLine(Strip2Samp, Strip2Samp, 2, polygon, true, blur,
+            layers BOKEH_LINEAR);
         if (polygon.sides > 4)
         {
-            result += BokehLayerLine(Strip3Samp, scale, 3, polygon, true, blur,
+            result += BokehLayerLine(Strip3Samp, Strip3Samp, 3, polygon, true, blur,
                 layers BOKEH_LINEAR);
         }
         if (polygon.sides > 6)
         {
-            result += BokehLayerLine(Strip4Samp, scale, 4, polygon, true, blur,
+            result += BokehLayerLine(Strip4Samp, Strip4Samp, 4, polygon, true, blur,
                 layers BOKEH_LINEAR);
         }
         if (polygon.sides > 8)
         {
-            result += BokehLayerLine(Strip5Samp, scale, 5, polygon, true, blur,
+            result += BokehLayerLine(Strip5Samp, Strip5Samp, 5, polygon, true, blur,
                 layers BOKEH_LINEAR);
         }
         result = result / polygon.area;
