@@ -142,7 +142,7 @@ KEPT = {
     "There are white squares": "test_highp::test_highp_wins_over_mediump, test_highp::test_libraries_have_no_half",
     "Outlines tremble though nothing moves": "test_steady::test_stands_still",
     "A sharp object has": "test_probes::test_probes_notice",
-    "In `exact` with your own CoC map, a blurred near object is opaque right up to its outline": "test_paste::test_the_chain_runs",
+    "In `exact` with your own CoC map, a blurred near object is opaque": "test_paste::test_the_chain_runs",
     "A blurred object has [a hard edge": (
         "test_probes::test_probes_notice, test_layers::test_layered_aspect_and_presets"
     ),
