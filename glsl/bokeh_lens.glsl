@@ -60,6 +60,8 @@ BokehPolygon BokehWithRoundness(BokehPolygon polygon, float roundness)
 }
 
 // Lens: computes how far each edge of a polygon is from the centre
+//   One loop serves all edges, here and in BokehCutLengths: with a loop for each edge, some drivers
+//   compile for 20 seconds.
 //   along         cut as a vector: the fraction of that distance by which an edge moves inwards
 //   returns       a polygon whose lengths are these distances, in units of the CoC
 BokehPolygon BokehHalfWidths(BokehPolygon polygon, vec2 along)

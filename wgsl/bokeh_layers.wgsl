@@ -937,8 +937,8 @@ fn BokehHoleFill(MidSamp: texture_2d<f32>, FarSamp: texture_2d<f32>,
 //   nothing that must not spread. All four channels are blurred, so alpha becomes the coverage.
 
 // Layers: adds up the samples of a line
-//   The caller chooses between a layer and its quarter-size copy, because a renderer that runs on
-//   the CPU would fetch from both in a loop that does.
+//   The caller chooses between a layer and its quarter-size copy. If this loop chose, a renderer
+//   that runs on the CPU would fetch from both for every sample.
 //   first         position of the line's start, in texels of `grid`
 //   sampleStep    from one sample to the next
 //   samples       how many, with a fraction: the last sample has this fraction as its weight
