@@ -20,8 +20,8 @@
 //   TileDilate       1/8   tiles, then its own target       dilatedTiles: largest CoC among tiles
 //                                                           whose blur reaches this tile
 //   Prefilter        1/2   map, dilatedTiles                nearLayer, farLayer, layerCoCSums,
-//                                                           gatherCoC (RG)
-//   LayerCoCReduce   1/8   layerCoCSums, gatherCoC          gatherCoC (RG) and sums of each tile
+//                                                           gatherCoC
+//   LayerCoCReduce   1/8   layerCoCSums, gatherCoC          gatherCoC and sums of each tile
 //   LayerCoCRows     1/8   both, dilatedTiles               both, combined along rows of tiles
 //   LayerCoCColumns  1/8   both, dilatedTiles               gatherTiles: dilatedTiles, gatherCoC;
 //                                                           layerCoC (RG): CoC of both layers
@@ -177,6 +177,11 @@
 // The gather has one more ring where its rings would be wider than this, pixels. With a higher
 // value, a thin bright line shows as a row of copies; a lower one costs fetches.
 #define BOKEH_TUNED_RING_WIDTH 2.75
+
+// Around a light that is this many times as bright as the mean around it, the gather reaches only
+// as far as the light's blur does. With a higher value, a light beside something more blurred shows
+// as a ring of copies; with a lower one, that blur is cut off in more places.
+#define BOKEH_TUNED_REACH_LIGHT 16.0
 
 // A gather of a single ring reaches at most this far, pixels. With a higher value, an edge shows as
 // a row of copies; with a lower one, blurs that are in no layer get too small.
@@ -386,6 +391,16 @@ vec2 BokehReaching(vec2 CoC, float tiles)
     return CoC * clamp(weight, vec2(0.0, 0.0), vec2(1.0, 1.0));
 }
 
+// Layers: returns how much of the gatherCoC of another tile applies here, pixels
+//   As in BokehReaching, but that of a light only applies to the tiles that its blur covers.
+//   tiles         distance of the other tile
+vec4 BokehGatherReaching(vec4 CoC, float tiles)
+{
+    vec2 isCovered = clamp((CoC.ba / 16.0 + 0.5 - tiles) * 1000000.0, vec2(0.0, 0.0),
+        vec2(1.0, 1.0));
+    return vec4(BokehReaching(CoC.rg, tiles), CoC.ba * isCovered);
+}
+
 // Layers: returns how many tiles the largest possible CoC can reach, at most 127
 float BokehReachTiles(BokehLayerContext layers)
 {
@@ -437,7 +452,8 @@ vec4 BokehBlurWeights(vec4 a, vec4 b, vec4 c, vec4 d, float inverseBrightness, f
 // Layers: holds what BokehPrefilter writes
 //   nearLayer, farLayer  rgb times layer weight, layer weight
 //   layerCoCSums  for the mean CoC of both layers: CoC / 8 times weight, weight
-//   gatherCoC     rg = largest near and far CoC that is not completely in its layer, pixels
+//   gatherCoC     rg = largest near and far CoC that is not completely in its layer, ba = those of
+//                 lights alone; pixels
 struct BokehPrefiltered
 {
     vec4 nearLayer;
@@ -487,6 +503,20 @@ vec4 BokehNearPixel(vec4 pixel, float nearWeight, vec4 around)
     return result;
 }
 
+// Layers: returns gatherCoC of one pixel
+//   weights       near and far layer weight of the pixel
+vec4 BokehGatherCoC(vec4 pixel, vec2 weights, float inverseBrightness, BokehGrid full)
+{
+    vec2 rest = min(4.0 - 4.0 * weights, vec2(1.0, 1.0));
+    vec2 CoC = max(vec2(-pixel.a, pixel.a) * full.size.y * rest, vec2(0.0, 0.0));
+    vec4 gatherCoC = vec4(CoC, 0.0, 0.0);
+    if (BokehBrightest(pixel.rgb) * inverseBrightness > BOKEH_TUNED_REACH_LIGHT)
+    {
+        gatherCoC = vec4(CoC, CoC);
+    }
+    return gatherCoC;
+}
+
 // Layers: does the work of BokehPrefilter for 2 x 2 pixels
 //   middle        the corner that the four pixels share, pixels
 //   tile          texel of dilatedTiles that covers them
@@ -512,10 +542,11 @@ BokehPrefiltered BokehPrefilterBlock(BOKEH_TEXTURE MapSamp, vec2 middle, vec4 ti
     vec4 weights = farWeights * BokehBlurWeights(a, b, c, d, inverseBrightness, maxWeight);
     vec4 one = vec4(1.0, 1.0, 1.0, 1.0);
     vec4 sums = vec4(0.0, 0.0, dot(weights, s) / 8.0, dot(weights, one));
-    vec4 nearGather = -s * min(4.0 - 4.0 * nearWeights, one);
-    vec4 farGather = s * min(4.0 - 4.0 * farWeights, one);
-    vec2 gatherCoC = max(max(vec2(nearGather.x, farGather.x), vec2(nearGather.y, farGather.y)),
-        max(vec2(nearGather.z, farGather.z), vec2(nearGather.w, farGather.w)));
+    vec4 gatherA = BokehGatherCoC(a, vec2(nearWeights.x, farWeights.x), inverseBrightness, full);
+    vec4 gatherB = BokehGatherCoC(b, vec2(nearWeights.y, farWeights.y), inverseBrightness, full);
+    vec4 gatherC = BokehGatherCoC(c, vec2(nearWeights.z, farWeights.z), inverseBrightness, full);
+    vec4 gatherD = BokehGatherCoC(d, vec2(nearWeights.w, farWeights.w), inverseBrightness, full);
+    vec4 gatherCoC = max(max(gatherA, gatherB), max(gatherC, gatherD));
     float maxNearWeight = max(max(nearWeights.x, nearWeights.y), max(nearWeights.z, nearWeights.w));
     vec4 nearSum = vec4(0.0, 0.0, 0.0, 0.0);
     if (maxNearWeight > 0.0)
@@ -556,7 +587,7 @@ BokehPrefiltered BokehPrefilterBlock(BOKEH_TEXTURE MapSamp, vec2 middle, vec4 ti
     targets.farLayer = farSum * 0.25;
     float maxValue = BOKEH_MAX_COLOR;
     targets.layerCoCSums = min(sums * 0.25, vec4(maxValue, maxValue, maxValue, maxValue));
-    targets.gatherCoC = vec4(clamp(gatherCoC, vec2(0.0, 0.0), vec2(maxValue, maxValue)), 0.0, 1.0);
+    targets.gatherCoC = min(gatherCoC, vec4(maxValue, maxValue, maxValue, maxValue));
     return targets;
 }
 
@@ -595,7 +626,7 @@ BokehPrefiltered BokehPrefilter(BOKEH_TEXTURE MapSamp, BOKEH_TEXTURE DilatedTile
 }
 
 // Layers: holds what is known of the CoC of a tile, and later of the tiles around it
-//   gatherCoC     rg = the largest
+//   gatherCoC     the largest
 //   sums          the mean of layerCoCSums
 struct BokehTileSums
 {
@@ -614,18 +645,18 @@ BokehTileSums BokehLayerCoCReduce(BOKEH_TEXTURE SumsSamp, BOKEH_TEXTURE GatherCo
     int texels = 8 / BOKEH_LAYER_SCALE;
     vec2 first = floor(layers.uv * ceil(layers.size / 8.0)) * float(texels) + vec2(0.5, 0.5);
     vec4 sums = vec4(0.0, 0.0, 0.0, 0.0);
-    vec2 gatherCoC = vec2(0.0, 0.0);
+    vec4 gatherCoC = vec4(0.0, 0.0, 0.0, 0.0);
     for (int y = 0; y < texels; y++)
     {
         for (int x = 0; x < texels; x++)
         {
             vec2 place = first + vec2(float(x), float(y));
             sums += BokehFetchGridTexel(SumsSamp, place, grid);
-            gatherCoC = max(gatherCoC, BokehFetchGridTexel(GatherCoCSamp, place, grid).rg);
+            gatherCoC = max(gatherCoC, BokehFetchGridTexel(GatherCoCSamp, place, grid));
         }
     }
     BokehTileSums targets;
-    targets.gatherCoC = vec4(gatherCoC, 0.0, 1.0);
+    targets.gatherCoC = gatherCoC;
     targets.sums = sums / float(texels * texels);
     return targets;
 }
@@ -640,7 +671,7 @@ BokehTileSums BokehLayerCoCAlong(BOKEH_TEXTURE GatherCoCSamp, BOKEH_TEXTURE Sums
     vec2 sigma = max(tile * BOKEH_TUNED_COC_SIGMA, vec2(0.6, 0.6));
     float radius = BokehReachTiles(layers);
     vec4 sums = vec4(0.0, 0.0, 0.0, 0.0);
-    vec2 gatherCoC = vec2(0.0, 0.0);
+    vec4 gatherCoC = vec4(0.0, 0.0, 0.0, 0.0);
     vec2 total = vec2(0.0, 0.0);
     for (int i = 0; i < 255; i++)
     {
@@ -653,12 +684,12 @@ BokehTileSums BokehLayerCoCAlong(BOKEH_TEXTURE GatherCoCSamp, BOKEH_TEXTURE Sums
         vec2 weight = exp(-0.5 * tiles * tiles / (sigma * sigma));
         sums += BokehFetchGrid(SumsSamp, place, grid) * vec4(weight.x, weight.x, weight.y,
             weight.y);
-        gatherCoC = max(gatherCoC, BokehReaching(BokehFetchGrid(GatherCoCSamp, place, grid).rg,
-            abs(tiles)));
+        vec4 found = BokehFetchGrid(GatherCoCSamp, place, grid);
+        gatherCoC = max(gatherCoC, BokehGatherReaching(found, abs(tiles)));
         total += weight;
     }
     BokehTileSums targets;
-    targets.gatherCoC = vec4(gatherCoC, 0.0, 1.0);
+    targets.gatherCoC = gatherCoC;
     targets.sums = sums / vec4(total.x, total.x, total.y, total.y);
     return targets;
 }
@@ -674,8 +705,8 @@ BokehTileSums BokehLayerCoCRows(BOKEH_TEXTURE GatherCoCSamp, BOKEH_TEXTURE SumsS
 }
 
 // Layers: holds what BokehLayerCoCColumns writes
-//   gatherTiles   largest near and far CoC whose blur reaches this tile, then the largest near and
-//                 far gatherCoC; pixels
+//   gatherTiles   largest near and far CoC whose blur reaches this tile, then how far the gather
+//                 has to reach: the largest near and far gatherCoC, or those of lights; pixels
 //   layerCoC      rg = CoC to blur the near and the far layer with, pixels; 0 without a layer
 struct BokehLayerCoCTargets
 {
@@ -704,8 +735,11 @@ BokehLayerCoCTargets BokehLayerCoCColumns(BOKEH_TEXTURE GatherCoCSamp, BOKEH_TEX
     {
         layerCoC = vec2(layerCoC.x, 8.0 * sums.b / sums.a);
     }
+    // a light comes first, but not the little of it that a linear filter leaks into the next tile
+    vec2 light = tileSums.gatherCoC.ba;
+    vec2 isDark = clamp(2.0 - light, vec2(0.0, 0.0), vec2(1.0, 1.0));
     BokehLayerCoCTargets targets;
-    targets.gatherTiles = vec4(tile, tileSums.gatherCoC.rg);
+    targets.gatherTiles = vec4(tile, light + tileSums.gatherCoC.rg * isDark);
     targets.layerCoC = vec4(layerCoC, 0.0, 1.0);
     return targets;
 }

@@ -20,8 +20,8 @@
 //   TileDilate       1/8   tiles, then its own target       dilatedTiles: largest CoC among tiles
 //                                                           whose blur reaches this tile
 //   Prefilter        1/2   map, dilatedTiles                nearLayer, farLayer, layerCoCSums,
-//                                                           gatherCoC (RG)
-//   LayerCoCReduce   1/8   layerCoCSums, gatherCoC          gatherCoC (RG) and sums of each tile
+//                                                           gatherCoC
+//   LayerCoCReduce   1/8   layerCoCSums, gatherCoC          gatherCoC and sums of each tile
 //   LayerCoCRows     1/8   both, dilatedTiles               both, combined along rows of tiles
 //   LayerCoCColumns  1/8   both, dilatedTiles               gatherTiles: dilatedTiles, gatherCoC;
 //                                                           layerCoC (RG): CoC of both layers
@@ -125,6 +125,11 @@ const BOKEH_TUNED_SQUARE_SIDE: f32 = 0.2;
 // The gather has one more ring where its rings would be wider than this, pixels. With a higher
 // value, a thin bright line shows as a row of copies; a lower one costs fetches.
 const BOKEH_TUNED_RING_WIDTH: f32 = 2.75;
+
+// Around a light that is this many times as bright as the mean around it, the gather reaches only
+// as far as the light's blur does. With a higher value, a light beside something more blurred shows
+// as a ring of copies; with a lower one, that blur is cut off in more places.
+const BOKEH_TUNED_REACH_LIGHT: f32 = 16.0;
 
 // A gather of a single ring reaches at most this far, pixels. With a higher value, an edge shows as
 // a row of copies; with a lower one, blurs that are in no layer get too small.
@@ -336,6 +341,16 @@ fn BokehReaching(CoC: vec2f, tiles: f32) -> vec2f
     return CoC * clamp(weight, vec2f(0.0, 0.0), vec2f(1.0, 1.0));
 }
 
+// Layers: returns how much of the gatherCoC of another tile applies here, pixels
+//   As in BokehReaching, but that of a light only applies to the tiles that its blur covers.
+//   tiles         distance of the other tile
+fn BokehGatherReaching(CoC: vec4f, tiles: f32) -> vec4f
+{
+    let isCovered: vec2f = clamp((CoC.ba / 16.0 + 0.5 - tiles) * 1000000.0, vec2f(0.0, 0.0),
+        vec2f(1.0, 1.0));
+    return vec4f(BokehReaching(CoC.rg, tiles), CoC.ba * isCovered);
+}
+
 // Layers: returns how many tiles the largest possible CoC can reach, at most 127
 fn BokehReachTiles(layers: BokehLayerContext) -> f32
 {
@@ -390,7 +405,8 @@ fn BokehBlurWeights(a: vec4f, b: vec4f, c: vec4f, d: vec4f, inverseBrightness: f
 // Layers: holds what BokehPrefilter writes
 //   nearLayer, farLayer  rgb times layer weight, layer weight
 //   layerCoCSums  for the mean CoC of both layers: CoC / 8 times weight, weight
-//   gatherCoC     rg = largest near and far CoC that is not completely in its layer, pixels
+//   gatherCoC     rg = largest near and far CoC that is not completely in its layer, ba = those of
+//                 lights alone; pixels
 struct BokehPrefiltered
 {
     nearLayer: vec4f,
@@ -440,6 +456,20 @@ fn BokehNearPixel(pixel: vec4f, nearWeight: f32, around: vec4f) -> vec4f
     return result;
 }
 
+// Layers: returns gatherCoC of one pixel
+//   weights       near and far layer weight of the pixel
+fn BokehGatherCoC(pixel: vec4f, weights: vec2f, inverseBrightness: f32, full: BokehGrid) -> vec4f
+{
+    let rest: vec2f = min(4.0 - 4.0 * weights, vec2f(1.0, 1.0));
+    let CoC: vec2f = max(vec2f(-pixel.a, pixel.a) * full.size.y * rest, vec2f(0.0, 0.0));
+    var gatherCoC: vec4f = vec4f(CoC, 0.0, 0.0);
+    if (BokehBrightest(pixel.rgb) * inverseBrightness > BOKEH_TUNED_REACH_LIGHT)
+    {
+        gatherCoC = vec4f(CoC, CoC);
+    }
+    return gatherCoC;
+}
+
 // Layers: does the work of BokehPrefilter for 2 x 2 pixels
 //   middle        the corner that the four pixels share, pixels
 //   tile          texel of dilatedTiles that covers them
@@ -465,10 +495,15 @@ fn BokehPrefilterBlock(MapSamp: texture_2d<f32>, middle: vec2f, tile: vec4f,
     var weights: vec4f = farWeights * BokehBlurWeights(a, b, c, d, inverseBrightness, maxWeight);
     let one: vec4f = vec4f(1.0, 1.0, 1.0, 1.0);
     var sums: vec4f = vec4f(0.0, 0.0, dot(weights, s) / 8.0, dot(weights, one));
-    let nearGather: vec4f = -s * min(4.0 - 4.0 * nearWeights, one);
-    let farGather: vec4f = s * min(4.0 - 4.0 * farWeights, one);
-    let gatherCoC: vec2f = max(max(vec2f(nearGather.x, farGather.x), vec2f(nearGather.y,
-        farGather.y)), max(vec2f(nearGather.z, farGather.z), vec2f(nearGather.w, farGather.w)));
+    let gatherA: vec4f = BokehGatherCoC(a, vec2f(nearWeights.x, farWeights.x), inverseBrightness,
+        full);
+    let gatherB: vec4f = BokehGatherCoC(b, vec2f(nearWeights.y, farWeights.y), inverseBrightness,
+        full);
+    let gatherC: vec4f = BokehGatherCoC(c, vec2f(nearWeights.z, farWeights.z), inverseBrightness,
+        full);
+    let gatherD: vec4f = BokehGatherCoC(d, vec2f(nearWeights.w, farWeights.w), inverseBrightness,
+        full);
+    let gatherCoC: vec4f = max(max(gatherA, gatherB), max(gatherC, gatherD));
     let maxNearWeight: f32 = max(max(nearWeights.x, nearWeights.y), max(nearWeights.z,
         nearWeights.w));
     var nearSum: vec4f = vec4f(0.0, 0.0, 0.0, 0.0);
@@ -510,8 +545,7 @@ fn BokehPrefilterBlock(MapSamp: texture_2d<f32>, middle: vec2f, tile: vec4f,
     targets.farLayer = farSum * 0.25;
     let maxValue: f32 = BOKEH_MAX_COLOR;
     targets.layerCoCSums = min(sums * 0.25, vec4f(maxValue, maxValue, maxValue, maxValue));
-    targets.gatherCoC = vec4f(clamp(gatherCoC, vec2f(0.0, 0.0), vec2f(maxValue, maxValue)), 0.0,
-        1.0);
+    targets.gatherCoC = min(gatherCoC, vec4f(maxValue, maxValue, maxValue, maxValue));
     return targets;
 }
 
@@ -552,7 +586,7 @@ fn BokehPrefilter(MapSamp: texture_2d<f32>, DilatedTilesSamp: texture_2d<f32>,
 }
 
 // Layers: holds what is known of the CoC of a tile, and later of the tiles around it
-//   gatherCoC     rg = the largest
+//   gatherCoC     the largest
 //   sums          the mean of layerCoCSums
 struct BokehTileSums
 {
@@ -571,18 +605,18 @@ fn BokehLayerCoCReduce(SumsSamp: texture_2d<f32>, GatherCoCSamp: texture_2d<f32>
     let texels: i32 = 8 / BOKEH_LAYER_SCALE;
     let first: vec2f = floor(layers.uv * ceil(layers.size / 8.0)) * f32(texels) + vec2f(0.5, 0.5);
     var sums: vec4f = vec4f(0.0, 0.0, 0.0, 0.0);
-    var gatherCoC: vec2f = vec2f(0.0, 0.0);
+    var gatherCoC: vec4f = vec4f(0.0, 0.0, 0.0, 0.0);
     for (var y: i32 = 0; y < texels; y++)
     {
         for (var x: i32 = 0; x < texels; x++)
         {
             let place: vec2f = first + vec2f(f32(x), f32(y));
             sums += BokehFetchGridTexel(SumsSamp, place, grid);
-            gatherCoC = max(gatherCoC, BokehFetchGridTexel(GatherCoCSamp, place, grid).rg);
+            gatherCoC = max(gatherCoC, BokehFetchGridTexel(GatherCoCSamp, place, grid));
         }
     }
     var targets: BokehTileSums;
-    targets.gatherCoC = vec4f(gatherCoC, 0.0, 1.0);
+    targets.gatherCoC = gatherCoC;
     targets.sums = sums / f32(texels * texels);
     return targets;
 }
@@ -599,7 +633,7 @@ fn BokehLayerCoCAlong(GatherCoCSamp: texture_2d<f32>, SumsSamp: texture_2d<f32>,
     let sigma: vec2f = max(tile * BOKEH_TUNED_COC_SIGMA, vec2f(0.6, 0.6));
     let radius: f32 = BokehReachTiles(layers);
     var sums: vec4f = vec4f(0.0, 0.0, 0.0, 0.0);
-    var gatherCoC: vec2f = vec2f(0.0, 0.0);
+    var gatherCoC: vec4f = vec4f(0.0, 0.0, 0.0, 0.0);
     var total: vec2f = vec2f(0.0, 0.0);
     for (var i: i32 = 0; i < 255; i++)
     {
@@ -612,12 +646,12 @@ fn BokehLayerCoCAlong(GatherCoCSamp: texture_2d<f32>, SumsSamp: texture_2d<f32>,
         let weight: vec2f = exp(-0.5 * tiles * tiles / (sigma * sigma));
         sums += BokehFetchGrid(SumsSamp, place, grid, BokehLinearClamp) * vec4f(weight.x, weight.x,
             weight.y, weight.y);
-        gatherCoC = max(gatherCoC, BokehReaching(BokehFetchGrid(GatherCoCSamp, place, grid,
-            BokehLinearClamp).rg, abs(tiles)));
+        let found: vec4f = BokehFetchGrid(GatherCoCSamp, place, grid, BokehLinearClamp);
+        gatherCoC = max(gatherCoC, BokehGatherReaching(found, abs(tiles)));
         total += weight;
     }
     var targets: BokehTileSums;
-    targets.gatherCoC = vec4f(gatherCoC, 0.0, 1.0);
+    targets.gatherCoC = gatherCoC;
     targets.sums = sums / vec4f(total.x, total.x, total.y, total.y);
     return targets;
 }
@@ -635,8 +669,8 @@ fn BokehLayerCoCRows(GatherCoCSamp: texture_2d<f32>, SumsSamp: texture_2d<f32>,
 }
 
 // Layers: holds what BokehLayerCoCColumns writes
-//   gatherTiles   largest near and far CoC whose blur reaches this tile, then the largest near and
-//                 far gatherCoC; pixels
+//   gatherTiles   largest near and far CoC whose blur reaches this tile, then how far the gather
+//                 has to reach: the largest near and far gatherCoC, or those of lights; pixels
 //   layerCoC      rg = CoC to blur the near and the far layer with, pixels; 0 without a layer
 struct BokehLayerCoCTargets
 {
@@ -667,8 +701,11 @@ fn BokehLayerCoCColumns(GatherCoCSamp: texture_2d<f32>, SumsSamp: texture_2d<f32
     {
         layerCoC = vec2f(layerCoC.x, 8.0 * sums.b / sums.a);
     }
+    // a light comes first, but not the little of it that a linear filter leaks into the next tile
+    let light: vec2f = tileSums.gatherCoC.ba;
+    let isDark: vec2f = clamp(2.0 - light, vec2f(0.0, 0.0), vec2f(1.0, 1.0));
     var targets: BokehLayerCoCTargets;
-    targets.gatherTiles = vec4f(tile, tileSums.gatherCoC.rg);
+    targets.gatherTiles = vec4f(tile, light + tileSums.gatherCoC.rg * isDark);
     targets.layerCoC = vec4f(layerCoC, 0.0, 1.0);
     return targets;
 }

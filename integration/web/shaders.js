@@ -642,6 +642,9 @@ return vec4(min(found.r,BOKEH_MAX_COLOR),min(found.g,BOKEH_MAX_COLOR),found.b/64
 vec2 BokehReaching(vec2 CoC,float tiles){
 vec2 weight=CoC/16.+1.-max(tiles-2.,0.);
 return CoC*clamp(weight,vec2(0.),vec2(1.));}
+vec4 BokehGatherReaching(vec4 CoC,float tiles){
+vec2 isCovered=clamp((CoC.ba/16.+.5-tiles)*1000000.,vec2(0.),vec2(1.));
+return vec4(BokehReaching(CoC.rg,tiles),CoC.ba*isCovered);}
 float BokehReachTiles(BokehLayerContext layers){
 return min(ceil(layers.largest/16.)+2.,127.);}
 vec4 BokehTileDilate(sampler2D TilesSamp,vec2 axis,BokehLayerContext layers){
@@ -682,6 +685,13 @@ result=vec4(min(pixel.rgb,around.rgb),nearWeight);
 if(brightest>limit){
 result=vec4(result.rgb,nearWeight*(around.a-brightest)/(around.a-limit));}}
 return result;}
+vec4 BokehGatherCoC(vec4 pixel,vec2 weights,float inverseBrightness,BokehGrid full){
+vec2 rest=min(4.-4.*weights,vec2(1.));
+vec2 CoC=max(vec2(-pixel.a,pixel.a)*full.size.y*rest,vec2(0.));
+vec4 gatherCoC=vec4(CoC,0.,0.);
+if(BokehBrightest(pixel.rgb)*inverseBrightness>16.){
+gatherCoC=vec4(CoC,CoC);}
+return gatherCoC;}
 BokehPrefiltered BokehPrefilterBlock(sampler2D MapSamp,vec2 middle,vec4 tile,BokehLayerContext layers){
 BokehGrid full=BokehFullGrid(layers);
 float nearSlope=BokehNearSlope(tile.r);
@@ -699,9 +709,11 @@ vec4 farSum=vec4(a.rgb,1.)*farWeights.x+vec4(b.rgb,1.)*farWeights.y+vec4(c.rgb,1
 vec4 weights=farWeights*BokehBlurWeights(a,b,c,d,inverseBrightness,maxWeight);
 vec4 one=vec4(1.);
 vec4 sums=vec4(0.,0.,dot(weights,s)/8.,dot(weights,one));
-vec4 nearGather = -s*min(4.-4.*nearWeights,one);
-vec4 farGather=s*min(4.-4.*farWeights,one);
-vec2 gatherCoC=max(max(vec2(nearGather.x,farGather.x),vec2(nearGather.y,farGather.y)),max(vec2(nearGather.z,farGather.z),vec2(nearGather.w,farGather.w)));
+vec4 gatherA=BokehGatherCoC(a,vec2(nearWeights.x,farWeights.x),inverseBrightness,full);
+vec4 gatherB=BokehGatherCoC(b,vec2(nearWeights.y,farWeights.y),inverseBrightness,full);
+vec4 gatherC=BokehGatherCoC(c,vec2(nearWeights.z,farWeights.z),inverseBrightness,full);
+vec4 gatherD=BokehGatherCoC(d,vec2(nearWeights.w,farWeights.w),inverseBrightness,full);
+vec4 gatherCoC=max(max(gatherA,gatherB),max(gatherC,gatherD));
 float maxNearWeight=max(max(nearWeights.x,nearWeights.y),max(nearWeights.z,nearWeights.w));
 vec4 nearSum=vec4(0.);
 if(maxNearWeight>0.){
@@ -728,7 +740,7 @@ targets.nearLayer=nearSum*.25;
 targets.farLayer=farSum*.25;
 float maxValue=BOKEH_MAX_COLOR;
 targets.layerCoCSums=min(sums*.25,vec4(maxValue,maxValue,maxValue,maxValue));
-targets.gatherCoC=vec4(clamp(gatherCoC,vec2(0.),vec2(maxValue,maxValue)),0.,1.);
+targets.gatherCoC=min(gatherCoC,vec4(maxValue,maxValue,maxValue,maxValue));
 return targets;}
 BokehPrefiltered BokehPrefilter(sampler2D MapSamp,sampler2D DilatedTilesSamp,BokehLayerContext layers){
 BokehGrid grid=BokehLayerGrid(layers);
@@ -758,14 +770,14 @@ BokehGrid grid=BokehLayerGrid(layers);
 int texels=8/BOKEH_LAYER_SCALE;
 vec2 first=floor(layers.uv*ceil(layers.size/8.))*float(texels)+vec2(.5);
 vec4 sums=vec4(0.);
-vec2 gatherCoC=vec2(0.);
+vec4 gatherCoC=vec4(0.);
 for(int y=0;y<texels;y++){
 for(int x=0;x<texels;x++){
 vec2 place=first+vec2(float(x),float(y));
 sums+=BokehFetchGridTexel(SumsSamp,place,grid);
-gatherCoC=max(gatherCoC,BokehFetchGridTexel(GatherCoCSamp,place,grid).rg);}}
+gatherCoC=max(gatherCoC,BokehFetchGridTexel(GatherCoCSamp,place,grid));}}
 BokehTileSums targets;
-targets.gatherCoC=vec4(gatherCoC,0.,1.);
+targets.gatherCoC=gatherCoC;
 targets.sums=sums/float(texels*texels);
 return targets;}
 BokehTileSums BokehLayerCoCAlong(sampler2D GatherCoCSamp,sampler2D SumsSamp,sampler2D DilatedTilesSamp,vec2 axis,BokehLayerContext layers){
@@ -774,7 +786,7 @@ vec2 tile=BokehFetchGrid(DilatedTilesSamp,layers.uv*grid.size,grid).rg;
 vec2 sigma=max(tile*.0375,vec2(.6));
 float radius=BokehReachTiles(layers);
 vec4 sums=vec4(0.);
-vec2 gatherCoC=vec2(0.);
+vec4 gatherCoC=vec4(0.);
 vec2 total=vec2(0.);
 for(int i=0;i<255;i++){
 float tiles=float(i)-radius;
@@ -783,10 +795,11 @@ break;}
 vec2 place=layers.uv*grid.size+axis*tiles;
 vec2 weight=exp(-.5*tiles*tiles/(sigma*sigma));
 sums+=BokehFetchGrid(SumsSamp,place,grid)*vec4(weight.x,weight.x,weight.y,weight.y);
-gatherCoC=max(gatherCoC,BokehReaching(BokehFetchGrid(GatherCoCSamp,place,grid).rg,abs(tiles)));
+vec4 found=BokehFetchGrid(GatherCoCSamp,place,grid);
+gatherCoC=max(gatherCoC,BokehGatherReaching(found,abs(tiles)));
 total+=weight;}
 BokehTileSums targets;
-targets.gatherCoC=vec4(gatherCoC,0.,1.);
+targets.gatherCoC=gatherCoC;
 targets.sums=sums/vec4(total.x,total.x,total.y,total.y);
 return targets;}
 BokehTileSums BokehLayerCoCRows(sampler2D GatherCoCSamp,sampler2D SumsSamp,sampler2D DilatedTilesSamp,BokehLayerContext layers){
@@ -805,8 +818,10 @@ if(sums.g>.0001&&tile.r>6.){
 layerCoC=vec2(8.*sums.r/sums.g,0.);}
 if(sums.a>.0001&&tile.g>10.){
 layerCoC=vec2(layerCoC.x,8.*sums.b/sums.a);}
+vec2 light=tileSums.gatherCoC.ba;
+vec2 isDark=clamp(2.-light,vec2(0.),vec2(1.));
 BokehLayerCoCTargets targets;
-targets.gatherTiles=vec4(tile,tileSums.gatherCoC.rg);
+targets.gatherTiles=vec4(tile,light+tileSums.gatherCoC.rg*isDark);
 targets.layerCoC=vec4(layerCoC,0.,1.);
 return targets;}
 vec2 BokehLayerCoC(sampler2D LayerCoCSamp,BokehLayerContext layers){
@@ -1889,6 +1904,9 @@ return vec4f(min(found.r,BOKEH_MAX_COLOR),min(found.g,BOKEH_MAX_COLOR),found.b/6
 fn BokehReaching(CoC:vec2f,tiles:f32)->vec2f{
 let weight=CoC/16.+1.-max(tiles-2.,0.);
 return CoC*clamp(weight,vec2f(0.),vec2f(1.));}
+fn BokehGatherReaching(CoC:vec4f,tiles:f32)->vec4f{
+let isCovered=clamp((CoC.ba/16.+.5-tiles)*1000000.,vec2f(0.),vec2f(1.));
+return vec4f(BokehReaching(CoC.rg,tiles),CoC.ba*isCovered);}
 fn BokehReachTiles(layers:BokehLayerContext)->f32{
 return min(ceil(layers.largest/16.)+2.,127.);}
 fn BokehTileDilate(TilesSamp:texture_2d<f32>,axis:vec2f,layers:BokehLayerContext,BokehLinearClamp:sampler)->vec4f{
@@ -1925,6 +1943,13 @@ result=vec4f(min(pixel.rgb,around.rgb),nearWeight);
 if(brightest>limit){
 result=vec4f(result.rgb,nearWeight*(around.a-brightest)/(around.a-limit));}}
 return result;}
+fn BokehGatherCoC(pixel:vec4f,weights:vec2f,inverseBrightness:f32,full:BokehGrid)->vec4f{
+let rest=min(4.-4.*weights,vec2f(1.));
+let CoC=max(vec2f(-pixel.a,pixel.a)*full.size.y*rest,vec2f(0.));
+var gatherCoC=vec4f(CoC,0.,0.);
+if(BokehBrightest(pixel.rgb)*inverseBrightness>16.){
+gatherCoC=vec4f(CoC,CoC);}
+return gatherCoC;}
 fn BokehPrefilterBlock(MapSamp:texture_2d<f32>,middle:vec2f,tile:vec4f,layers:BokehLayerContext)->BokehPrefiltered{
 let full=BokehFullGrid(layers);
 let nearSlope=BokehNearSlope(tile.r);
@@ -1942,9 +1967,11 @@ let farSum=vec4f(a.rgb,1.)*farWeights.x+vec4f(b.rgb,1.)*farWeights.y+vec4f(c.rgb
 var weights=farWeights*BokehBlurWeights(a,b,c,d,inverseBrightness,maxWeight);
 let one=vec4f(1.);
 var sums=vec4f(0.,0.,dot(weights,s)/8.,dot(weights,one));
-let nearGather = -s*min(4.-4.*nearWeights,one);
-let farGather=s*min(4.-4.*farWeights,one);
-let gatherCoC=max(max(vec2f(nearGather.x,farGather.x),vec2f(nearGather.y,farGather.y)),max(vec2f(nearGather.z,farGather.z),vec2f(nearGather.w,farGather.w)));
+let gatherA=BokehGatherCoC(a,vec2f(nearWeights.x,farWeights.x),inverseBrightness,full);
+let gatherB=BokehGatherCoC(b,vec2f(nearWeights.y,farWeights.y),inverseBrightness,full);
+let gatherC=BokehGatherCoC(c,vec2f(nearWeights.z,farWeights.z),inverseBrightness,full);
+let gatherD=BokehGatherCoC(d,vec2f(nearWeights.w,farWeights.w),inverseBrightness,full);
+let gatherCoC=max(max(gatherA,gatherB),max(gatherC,gatherD));
 let maxNearWeight=max(max(nearWeights.x,nearWeights.y),max(nearWeights.z,nearWeights.w));
 var nearSum=vec4f(0.);
 if(maxNearWeight>0.){
@@ -1971,7 +1998,7 @@ targets.nearLayer=nearSum*.25;
 targets.farLayer=farSum*.25;
 let maxValue=BOKEH_MAX_COLOR;
 targets.layerCoCSums=min(sums*.25,vec4f(maxValue,maxValue,maxValue,maxValue));
-targets.gatherCoC=vec4f(clamp(gatherCoC,vec2f(0.),vec2f(maxValue,maxValue)),0.,1.);
+targets.gatherCoC=min(gatherCoC,vec4f(maxValue,maxValue,maxValue,maxValue));
 return targets;}
 fn BokehPrefilter(MapSamp:texture_2d<f32>,DilatedTilesSamp:texture_2d<f32>,layers:BokehLayerContext,BokehLinearClamp:sampler)->BokehPrefiltered{
 let grid=BokehLayerGrid(layers);
@@ -1999,14 +2026,14 @@ let grid=BokehLayerGrid(layers);
 let texels=8/BOKEH_LAYER_SCALE;
 let first=floor(layers.uv*ceil(layers.size/8.))*f32(texels)+vec2f(.5);
 var sums=vec4f(0.);
-var gatherCoC=vec2f(0.);
+var gatherCoC=vec4f(0.);
 for(var y=0;y<texels;y++){
 for(var x=0;x<texels;x++){
 let place=first+vec2f(f32(x),f32(y));
 sums+=BokehFetchGridTexel(SumsSamp,place,grid);
-gatherCoC=max(gatherCoC,BokehFetchGridTexel(GatherCoCSamp,place,grid).rg);}}
+gatherCoC=max(gatherCoC,BokehFetchGridTexel(GatherCoCSamp,place,grid));}}
 var targets:BokehTileSums;
-targets.gatherCoC=vec4f(gatherCoC,0.,1.);
+targets.gatherCoC=gatherCoC;
 targets.sums=sums/f32(texels*texels);
 return targets;}
 fn BokehLayerCoCAlong(GatherCoCSamp:texture_2d<f32>,SumsSamp:texture_2d<f32>,DilatedTilesSamp:texture_2d<f32>,axis:vec2f,layers:BokehLayerContext,BokehLinearClamp:sampler)->BokehTileSums{
@@ -2015,7 +2042,7 @@ let tile=BokehFetchGrid(DilatedTilesSamp,layers.uv*grid.size,grid,BokehLinearCla
 let sigma=max(tile*.0375,vec2f(.6));
 let radius=BokehReachTiles(layers);
 var sums=vec4f(0.);
-var gatherCoC=vec2f(0.);
+var gatherCoC=vec4f(0.);
 var total=vec2f(0.);
 for(var i=0;i<255;i++){
 let tiles=f32(i)-radius;
@@ -2024,10 +2051,11 @@ break;}
 let place=layers.uv*grid.size+axis*tiles;
 let weight=exp(-.5*tiles*tiles/(sigma*sigma));
 sums+=BokehFetchGrid(SumsSamp,place,grid,BokehLinearClamp)*vec4f(weight.x,weight.x,weight.y,weight.y);
-gatherCoC=max(gatherCoC,BokehReaching(BokehFetchGrid(GatherCoCSamp,place,grid,BokehLinearClamp).rg,abs(tiles)));
+let found=BokehFetchGrid(GatherCoCSamp,place,grid,BokehLinearClamp);
+gatherCoC=max(gatherCoC,BokehGatherReaching(found,abs(tiles)));
 total+=weight;}
 var targets:BokehTileSums;
-targets.gatherCoC=vec4f(gatherCoC,0.,1.);
+targets.gatherCoC=gatherCoC;
 targets.sums=sums/vec4f(total.x,total.x,total.y,total.y);
 return targets;}
 fn BokehLayerCoCRows(GatherCoCSamp:texture_2d<f32>,SumsSamp:texture_2d<f32>,DilatedTilesSamp:texture_2d<f32>,layers:BokehLayerContext,BokehLinearClamp:sampler)->BokehTileSums{
@@ -2044,8 +2072,10 @@ if(sums.g>.0001&&tile.r>6.){
 layerCoC=vec2f(8.*sums.r/sums.g,0.);}
 if(sums.a>.0001&&tile.g>10.){
 layerCoC=vec2f(layerCoC.x,8.*sums.b/sums.a);}
+let light=tileSums.gatherCoC.ba;
+let isDark=clamp(2.-light,vec2f(0.),vec2f(1.));
 var targets:BokehLayerCoCTargets;
-targets.gatherTiles=vec4f(tile,tileSums.gatherCoC.rg);
+targets.gatherTiles=vec4f(tile,light+tileSums.gatherCoC.rg*isDark);
 targets.layerCoC=vec4f(layerCoC,0.,1.);
 return targets;}
 fn BokehLayerCoC(LayerCoCSamp:texture_2d<f32>,layers:BokehLayerContext,BokehLinearClamp:sampler)->vec2f{

@@ -810,6 +810,7 @@ const BOKEH_TUNED_FAR_QUARTER: f32 = 1.15;
 const BOKEH_TUNED_HEXAGON_SIDE: f32 = 0.4;
 const BOKEH_TUNED_SQUARE_SIDE: f32 = 0.2;
 const BOKEH_TUNED_RING_WIDTH: f32 = 2.75;
+const BOKEH_TUNED_REACH_LIGHT: f32 = 16.0;
 const BOKEH_TUNED_SINGLE_RADIUS: f32 = 6.0;
 const BOKEH_TUNED_RING_POSITION: f32 = 0.58;
 const BOKEH_TUNED_RING_STEP: f32 = 0.04;
@@ -938,6 +939,12 @@ fn BokehReaching(CoC: vec2f, tiles: f32) -> vec2f
 let weight: vec2f = CoC / 16.0 + 1.0 - max(tiles - 2.0, 0.0);
 return CoC * clamp(weight, vec2f(0.0, 0.0), vec2f(1.0, 1.0));
 }
+fn BokehGatherReaching(CoC: vec4f, tiles: f32) -> vec4f
+{
+let isCovered: vec2f = clamp((CoC.ba / 16.0 + 0.5 - tiles) * 1000000.0, vec2f(0.0, 0.0),
+vec2f(1.0, 1.0));
+return vec4f(BokehReaching(CoC.rg, tiles), CoC.ba * isCovered);
+}
 fn BokehReachTiles(layers: BokehLayerContext) -> f32
 {
 return min(ceil(layers.largest / 16.0) + 2.0, 127.0);
@@ -1006,6 +1013,17 @@ result = vec4f(result.rgb, nearWeight * (around.a - brightest) / (around.a - lim
 }
 return result;
 }
+fn BokehGatherCoC(pixel: vec4f, weights: vec2f, inverseBrightness: f32, full: BokehGrid) -> vec4f
+{
+let rest: vec2f = min(4.0 - 4.0 * weights, vec2f(1.0, 1.0));
+let CoC: vec2f = max(vec2f(-pixel.a, pixel.a) * full.size.y * rest, vec2f(0.0, 0.0));
+var gatherCoC: vec4f = vec4f(CoC, 0.0, 0.0);
+if (BokehBrightest(pixel.rgb) * inverseBrightness > BOKEH_TUNED_REACH_LIGHT)
+{
+gatherCoC = vec4f(CoC, CoC);
+}
+return gatherCoC;
+}
 fn BokehPrefilterBlock(MapSamp: texture_2d<f32>, middle: vec2f, tile: vec4f,
 layers: BokehLayerContext) -> BokehPrefiltered
 {
@@ -1026,10 +1044,15 @@ vec4f(c.rgb, 1.0) * farWeights.z + vec4f(d.rgb, 1.0) * farWeights.w;
 var weights: vec4f = farWeights * BokehBlurWeights(a, b, c, d, inverseBrightness, maxWeight);
 let one: vec4f = vec4f(1.0, 1.0, 1.0, 1.0);
 var sums: vec4f = vec4f(0.0, 0.0, dot(weights, s) / 8.0, dot(weights, one));
-let nearGather: vec4f = -s * min(4.0 - 4.0 * nearWeights, one);
-let farGather: vec4f = s * min(4.0 - 4.0 * farWeights, one);
-let gatherCoC: vec2f = max(max(vec2f(nearGather.x, farGather.x), vec2f(nearGather.y,
-farGather.y)), max(vec2f(nearGather.z, farGather.z), vec2f(nearGather.w, farGather.w)));
+let gatherA: vec4f = BokehGatherCoC(a, vec2f(nearWeights.x, farWeights.x), inverseBrightness,
+full);
+let gatherB: vec4f = BokehGatherCoC(b, vec2f(nearWeights.y, farWeights.y), inverseBrightness,
+full);
+let gatherC: vec4f = BokehGatherCoC(c, vec2f(nearWeights.z, farWeights.z), inverseBrightness,
+full);
+let gatherD: vec4f = BokehGatherCoC(d, vec2f(nearWeights.w, farWeights.w), inverseBrightness,
+full);
+let gatherCoC: vec4f = max(max(gatherA, gatherB), max(gatherC, gatherD));
 let maxNearWeight: f32 = max(max(nearWeights.x, nearWeights.y), max(nearWeights.z,
 nearWeights.w));
 var nearSum: vec4f = vec4f(0.0, 0.0, 0.0, 0.0);
@@ -1068,8 +1091,7 @@ targets.nearLayer = nearSum * 0.25;
 targets.farLayer = farSum * 0.25;
 let maxValue: f32 = BOKEH_MAX_COLOR;
 targets.layerCoCSums = min(sums * 0.25, vec4f(maxValue, maxValue, maxValue, maxValue));
-targets.gatherCoC = vec4f(clamp(gatherCoC, vec2f(0.0, 0.0), vec2f(maxValue, maxValue)), 0.0,
-1.0);
+targets.gatherCoC = min(gatherCoC, vec4f(maxValue, maxValue, maxValue, maxValue));
 return targets;
 }
 fn BokehPrefilter(MapSamp: texture_2d<f32>, DilatedTilesSamp: texture_2d<f32>,
@@ -1113,18 +1135,18 @@ let grid: BokehGrid = BokehLayerGrid(layers);
 let texels: i32 = 8 / BOKEH_LAYER_SCALE;
 let first: vec2f = floor(layers.uv * ceil(layers.size / 8.0)) * f32(texels) + vec2f(0.5, 0.5);
 var sums: vec4f = vec4f(0.0, 0.0, 0.0, 0.0);
-var gatherCoC: vec2f = vec2f(0.0, 0.0);
+var gatherCoC: vec4f = vec4f(0.0, 0.0, 0.0, 0.0);
 for (var y: i32 = 0; y < texels; y++)
 {
 for (var x: i32 = 0; x < texels; x++)
 {
 let place: vec2f = first + vec2f(f32(x), f32(y));
 sums += BokehFetchGridTexel(SumsSamp, place, grid);
-gatherCoC = max(gatherCoC, BokehFetchGridTexel(GatherCoCSamp, place, grid).rg);
+gatherCoC = max(gatherCoC, BokehFetchGridTexel(GatherCoCSamp, place, grid));
 }
 }
 var targets: BokehTileSums;
-targets.gatherCoC = vec4f(gatherCoC, 0.0, 1.0);
+targets.gatherCoC = gatherCoC;
 targets.sums = sums / f32(texels * texels);
 return targets;
 }
@@ -1138,7 +1160,7 @@ BokehLinearClamp).rg;
 let sigma: vec2f = max(tile * BOKEH_TUNED_COC_SIGMA, vec2f(0.6, 0.6));
 let radius: f32 = BokehReachTiles(layers);
 var sums: vec4f = vec4f(0.0, 0.0, 0.0, 0.0);
-var gatherCoC: vec2f = vec2f(0.0, 0.0);
+var gatherCoC: vec4f = vec4f(0.0, 0.0, 0.0, 0.0);
 var total: vec2f = vec2f(0.0, 0.0);
 for (var i: i32 = 0; i < 255; i++)
 {
@@ -1151,12 +1173,12 @@ let place: vec2f = layers.uv * grid.size + axis * tiles;
 let weight: vec2f = exp(-0.5 * tiles * tiles / (sigma * sigma));
 sums += BokehFetchGrid(SumsSamp, place, grid, BokehLinearClamp) * vec4f(weight.x, weight.x,
 weight.y, weight.y);
-gatherCoC = max(gatherCoC, BokehReaching(BokehFetchGrid(GatherCoCSamp, place, grid,
-BokehLinearClamp).rg, abs(tiles)));
+let found: vec4f = BokehFetchGrid(GatherCoCSamp, place, grid, BokehLinearClamp);
+gatherCoC = max(gatherCoC, BokehGatherReaching(found, abs(tiles)));
 total += weight;
 }
 var targets: BokehTileSums;
-targets.gatherCoC = vec4f(gatherCoC, 0.0, 1.0);
+targets.gatherCoC = gatherCoC;
 targets.sums = sums / vec4f(total.x, total.x, total.y, total.y);
 return targets;
 }
@@ -1191,8 +1213,10 @@ if (sums.a > 0.0001 && tile.g > BOKEH_TUNED_FAR_START)
 {
 layerCoC = vec2f(layerCoC.x, 8.0 * sums.b / sums.a);
 }
+let light: vec2f = tileSums.gatherCoC.ba;
+let isDark: vec2f = clamp(2.0 - light, vec2f(0.0, 0.0), vec2f(1.0, 1.0));
 var targets: BokehLayerCoCTargets;
-targets.gatherTiles = vec4f(tile, tileSums.gatherCoC.rg);
+targets.gatherTiles = vec4f(tile, light + tileSums.gatherCoC.rg * isDark);
 targets.layerCoC = vec4f(layerCoC, 0.0, 1.0);
 return targets;
 }

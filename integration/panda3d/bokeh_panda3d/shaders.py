@@ -925,6 +925,7 @@ return BokehResolve(color, totalWeight, centerPixel, blurCoC);
 #define BOKEH_TUNED_HEXAGON_SIDE 0.4
 #define BOKEH_TUNED_SQUARE_SIDE 0.2
 #define BOKEH_TUNED_RING_WIDTH 2.75
+#define BOKEH_TUNED_REACH_LIGHT 16.0
 #define BOKEH_TUNED_SINGLE_RADIUS 6.0
 #define BOKEH_TUNED_RING_POSITION 0.58
 #define BOKEH_TUNED_RING_STEP 0.04
@@ -1051,6 +1052,12 @@ vec2 BokehReaching(vec2 CoC, float tiles)
 vec2 weight = CoC / 16.0 + 1.0 - max(tiles - 2.0, 0.0);
 return CoC * clamp(weight, vec2(0.0, 0.0), vec2(1.0, 1.0));
 }
+vec4 BokehGatherReaching(vec4 CoC, float tiles)
+{
+vec2 isCovered = clamp((CoC.ba / 16.0 + 0.5 - tiles) * 1000000.0, vec2(0.0, 0.0),
+vec2(1.0, 1.0));
+return vec4(BokehReaching(CoC.rg, tiles), CoC.ba * isCovered);
+}
 float BokehReachTiles(BokehLayerContext layers)
 {
 return min(ceil(layers.largest / 16.0) + 2.0, 127.0);
@@ -1116,6 +1123,17 @@ result = vec4(result.rgb, nearWeight * (around.a - brightest) / (around.a - limi
 }
 return result;
 }
+vec4 BokehGatherCoC(vec4 pixel, vec2 weights, float inverseBrightness, BokehGrid full)
+{
+vec2 rest = min(4.0 - 4.0 * weights, vec2(1.0, 1.0));
+vec2 CoC = max(vec2(-pixel.a, pixel.a) * full.size.y * rest, vec2(0.0, 0.0));
+vec4 gatherCoC = vec4(CoC, 0.0, 0.0);
+if (BokehBrightest(pixel.rgb) * inverseBrightness > BOKEH_TUNED_REACH_LIGHT)
+{
+gatherCoC = vec4(CoC, CoC);
+}
+return gatherCoC;
+}
 BokehPrefiltered BokehPrefilterBlock(BOKEH_TEXTURE MapSamp, vec2 middle, vec4 tile,
 BokehLayerContext layers)
 {
@@ -1136,10 +1154,11 @@ vec4 farSum = vec4(a.rgb, 1.0) * farWeights.x + vec4(b.rgb, 1.0) * farWeights.y 
 vec4 weights = farWeights * BokehBlurWeights(a, b, c, d, inverseBrightness, maxWeight);
 vec4 one = vec4(1.0, 1.0, 1.0, 1.0);
 vec4 sums = vec4(0.0, 0.0, dot(weights, s) / 8.0, dot(weights, one));
-vec4 nearGather = -s * min(4.0 - 4.0 * nearWeights, one);
-vec4 farGather = s * min(4.0 - 4.0 * farWeights, one);
-vec2 gatherCoC = max(max(vec2(nearGather.x, farGather.x), vec2(nearGather.y, farGather.y)),
-max(vec2(nearGather.z, farGather.z), vec2(nearGather.w, farGather.w)));
+vec4 gatherA = BokehGatherCoC(a, vec2(nearWeights.x, farWeights.x), inverseBrightness, full);
+vec4 gatherB = BokehGatherCoC(b, vec2(nearWeights.y, farWeights.y), inverseBrightness, full);
+vec4 gatherC = BokehGatherCoC(c, vec2(nearWeights.z, farWeights.z), inverseBrightness, full);
+vec4 gatherD = BokehGatherCoC(d, vec2(nearWeights.w, farWeights.w), inverseBrightness, full);
+vec4 gatherCoC = max(max(gatherA, gatherB), max(gatherC, gatherD));
 float maxNearWeight = max(max(nearWeights.x, nearWeights.y), max(nearWeights.z, nearWeights.w));
 vec4 nearSum = vec4(0.0, 0.0, 0.0, 0.0);
 if (maxNearWeight > 0.0)
@@ -1177,7 +1196,7 @@ targets.nearLayer = nearSum * 0.25;
 targets.farLayer = farSum * 0.25;
 float maxValue = BOKEH_MAX_COLOR;
 targets.layerCoCSums = min(sums * 0.25, vec4(maxValue, maxValue, maxValue, maxValue));
-targets.gatherCoC = vec4(clamp(gatherCoC, vec2(0.0, 0.0), vec2(maxValue, maxValue)), 0.0, 1.0);
+targets.gatherCoC = min(gatherCoC, vec4(maxValue, maxValue, maxValue, maxValue));
 return targets;
 }
 BokehPrefiltered BokehPrefilter(BOKEH_TEXTURE MapSamp, BOKEH_TEXTURE DilatedTilesSamp,
@@ -1219,18 +1238,18 @@ BokehGrid grid = BokehLayerGrid(layers);
 int texels = 8 / BOKEH_LAYER_SCALE;
 vec2 first = floor(layers.uv * ceil(layers.size / 8.0)) * float(texels) + vec2(0.5, 0.5);
 vec4 sums = vec4(0.0, 0.0, 0.0, 0.0);
-vec2 gatherCoC = vec2(0.0, 0.0);
+vec4 gatherCoC = vec4(0.0, 0.0, 0.0, 0.0);
 for (int y = 0; y < texels; y++)
 {
 for (int x = 0; x < texels; x++)
 {
 vec2 place = first + vec2(float(x), float(y));
 sums += BokehFetchGridTexel(SumsSamp, place, grid);
-gatherCoC = max(gatherCoC, BokehFetchGridTexel(GatherCoCSamp, place, grid).rg);
+gatherCoC = max(gatherCoC, BokehFetchGridTexel(GatherCoCSamp, place, grid));
 }
 }
 BokehTileSums targets;
-targets.gatherCoC = vec4(gatherCoC, 0.0, 1.0);
+targets.gatherCoC = gatherCoC;
 targets.sums = sums / float(texels * texels);
 return targets;
 }
@@ -1242,7 +1261,7 @@ vec2 tile = BokehFetchGrid(DilatedTilesSamp, layers.uv * grid.size, grid).rg;
 vec2 sigma = max(tile * BOKEH_TUNED_COC_SIGMA, vec2(0.6, 0.6));
 float radius = BokehReachTiles(layers);
 vec4 sums = vec4(0.0, 0.0, 0.0, 0.0);
-vec2 gatherCoC = vec2(0.0, 0.0);
+vec4 gatherCoC = vec4(0.0, 0.0, 0.0, 0.0);
 vec2 total = vec2(0.0, 0.0);
 for (int i = 0; i < 255; i++)
 {
@@ -1255,12 +1274,12 @@ vec2 place = layers.uv * grid.size + axis * tiles;
 vec2 weight = exp(-0.5 * tiles * tiles / (sigma * sigma));
 sums += BokehFetchGrid(SumsSamp, place, grid) * vec4(weight.x, weight.x, weight.y,
 weight.y);
-gatherCoC = max(gatherCoC, BokehReaching(BokehFetchGrid(GatherCoCSamp, place, grid).rg,
-abs(tiles)));
+vec4 found = BokehFetchGrid(GatherCoCSamp, place, grid);
+gatherCoC = max(gatherCoC, BokehGatherReaching(found, abs(tiles)));
 total += weight;
 }
 BokehTileSums targets;
-targets.gatherCoC = vec4(gatherCoC, 0.0, 1.0);
+targets.gatherCoC = gatherCoC;
 targets.sums = sums / vec4(total.x, total.x, total.y, total.y);
 return targets;
 }
@@ -1291,8 +1310,10 @@ if (sums.a > 0.0001 && tile.g > BOKEH_TUNED_FAR_START)
 {
 layerCoC = vec2(layerCoC.x, 8.0 * sums.b / sums.a);
 }
+vec2 light = tileSums.gatherCoC.ba;
+vec2 isDark = clamp(2.0 - light, vec2(0.0, 0.0), vec2(1.0, 1.0));
 BokehLayerCoCTargets targets;
-targets.gatherTiles = vec4(tile, tileSums.gatherCoC.rg);
+targets.gatherTiles = vec4(tile, light + tileSums.gatherCoC.rg * isDark);
 targets.layerCoC = vec4(layerCoC, 0.0, 1.0);
 return targets;
 }

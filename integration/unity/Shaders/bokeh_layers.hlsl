@@ -21,8 +21,8 @@
 //   TileDilate       1/8   tiles, then its own target       dilatedTiles: largest CoC among tiles
 //                                                           whose blur reaches this tile
 //   Prefilter        1/2   map, dilatedTiles                nearLayer, farLayer, layerCoCSums,
-//                                                           gatherCoC (RG)
-//   LayerCoCReduce   1/8   layerCoCSums, gatherCoC          gatherCoC (RG) and sums of each tile
+//                                                           gatherCoC
+//   LayerCoCReduce   1/8   layerCoCSums, gatherCoC          gatherCoC and sums of each tile
 //   LayerCoCRows     1/8   both, dilatedTiles               both, combined along rows of tiles
 //   LayerCoCColumns  1/8   both, dilatedTiles               gatherTiles: dilatedTiles, gatherCoC;
 //                                                           layerCoC (RG): CoC of both layers
@@ -178,6 +178,11 @@
 // The gather has one more ring where its rings would be wider than this, pixels. With a higher
 // value, a thin bright line shows as a row of copies; a lower one costs fetches.
 #define BOKEH_TUNED_RING_WIDTH 2.75
+
+// Around a light that is this many times as bright as the mean around it, the gather reaches only
+// as far as the light's blur does. With a higher value, a light beside something more blurred shows
+// as a ring of copies; with a lower one, that blur is cut off in more places.
+#define BOKEH_TUNED_REACH_LIGHT 16.0
 
 // A gather of a single ring reaches at most this far, pixels. With a higher value, an edge shows as
 // a row of copies; with a lower one, blurs that are in no layer get too small.
@@ -389,6 +394,16 @@ float2 BokehReaching(float2 CoC, float tiles)
     return CoC * clamp(weight, float2(0.0, 0.0), float2(1.0, 1.0));
 }
 
+// Layers: returns how much of the gatherCoC of another tile applies here, pixels
+//   As in BokehReaching, but that of a light only applies to the tiles that its blur covers.
+//   tiles         distance of the other tile
+float4 BokehGatherReaching(float4 CoC, float tiles)
+{
+    float2 isCovered = clamp((CoC.ba / 16.0 + 0.5 - tiles) * 1000000.0, float2(0.0, 0.0),
+        float2(1.0, 1.0));
+    return float4(BokehReaching(CoC.rg, tiles), CoC.ba * isCovered);
+}
+
 // Layers: returns how many tiles the largest possible CoC can reach, at most 127
 float BokehReachTiles(BokehLayerContext layers)
 {
@@ -442,7 +457,8 @@ float4 BokehBlurWeights(float4 a, float4 b, float4 c, float4 d, float inverseBri
 // Layers: holds what BokehPrefilter writes
 //   nearLayer, farLayer  rgb times layer weight, layer weight
 //   layerCoCSums  for the mean CoC of both layers: CoC / 8 times weight, weight
-//   gatherCoC     rg = largest near and far CoC that is not completely in its layer, pixels
+//   gatherCoC     rg = largest near and far CoC that is not completely in its layer, ba = those of
+//                 lights alone; pixels
 struct BokehPrefiltered
 {
     float4 nearLayer;
@@ -492,6 +508,20 @@ float4 BokehNearPixel(float4 pixel, float nearWeight, float4 around)
     return result;
 }
 
+// Layers: returns gatherCoC of one pixel
+//   weights       near and far layer weight of the pixel
+float4 BokehGatherCoC(float4 pixel, float2 weights, float inverseBrightness, BokehGrid full)
+{
+    float2 rest = min(4.0 - 4.0 * weights, float2(1.0, 1.0));
+    float2 CoC = max(float2(-pixel.a, pixel.a) * full.size.y * rest, float2(0.0, 0.0));
+    float4 gatherCoC = float4(CoC, 0.0, 0.0);
+    if (BokehBrightest(pixel.rgb) * inverseBrightness > BOKEH_TUNED_REACH_LIGHT)
+    {
+        gatherCoC = float4(CoC, CoC);
+    }
+    return gatherCoC;
+}
+
 // Layers: does the work of BokehPrefilter for 2 x 2 pixels
 //   middle        the corner that the four pixels share, pixels
 //   tile          texel of dilatedTiles that covers them
@@ -517,10 +547,15 @@ BokehPrefiltered BokehPrefilterBlock(BOKEH_TEXTURE MapSamp, float2 middle, float
     float4 weights = farWeights * BokehBlurWeights(a, b, c, d, inverseBrightness, maxWeight);
     float4 one = float4(1.0, 1.0, 1.0, 1.0);
     float4 sums = float4(0.0, 0.0, dot(weights, s) / 8.0, dot(weights, one));
-    float4 nearGather = -s * min(4.0 - 4.0 * nearWeights, one);
-    float4 farGather = s * min(4.0 - 4.0 * farWeights, one);
-    float2 gatherCoC = max(max(float2(nearGather.x, farGather.x), float2(nearGather.y,
-        farGather.y)), max(float2(nearGather.z, farGather.z), float2(nearGather.w, farGather.w)));
+    float4 gatherA = BokehGatherCoC(a, float2(nearWeights.x, farWeights.x), inverseBrightness,
+        full);
+    float4 gatherB = BokehGatherCoC(b, float2(nearWeights.y, farWeights.y), inverseBrightness,
+        full);
+    float4 gatherC = BokehGatherCoC(c, float2(nearWeights.z, farWeights.z), inverseBrightness,
+        full);
+    float4 gatherD = BokehGatherCoC(d, float2(nearWeights.w, farWeights.w), inverseBrightness,
+        full);
+    float4 gatherCoC = max(max(gatherA, gatherB), max(gatherC, gatherD));
     float maxNearWeight = max(max(nearWeights.x, nearWeights.y), max(nearWeights.z, nearWeights.w));
     float4 nearSum = float4(0.0, 0.0, 0.0, 0.0);
     if (maxNearWeight > 0.0)
@@ -561,8 +596,7 @@ BokehPrefiltered BokehPrefilterBlock(BOKEH_TEXTURE MapSamp, float2 middle, float
     targets.farLayer = farSum * 0.25;
     float maxValue = BOKEH_MAX_COLOR;
     targets.layerCoCSums = min(sums * 0.25, float4(maxValue, maxValue, maxValue, maxValue));
-    targets.gatherCoC = float4(clamp(gatherCoC, float2(0.0, 0.0), float2(maxValue, maxValue)), 0.0,
-        1.0);
+    targets.gatherCoC = min(gatherCoC, float4(maxValue, maxValue, maxValue, maxValue));
     return targets;
 }
 
@@ -602,7 +636,7 @@ BokehPrefiltered BokehPrefilter(BOKEH_TEXTURE MapSamp, BOKEH_TEXTURE DilatedTile
 }
 
 // Layers: holds what is known of the CoC of a tile, and later of the tiles around it
-//   gatherCoC     rg = the largest
+//   gatherCoC     the largest
 //   sums          the mean of layerCoCSums
 struct BokehTileSums
 {
@@ -621,19 +655,18 @@ BokehTileSums BokehLayerCoCReduce(BOKEH_TEXTURE SumsSamp, BOKEH_TEXTURE GatherCo
     int texels = 8 / BOKEH_LAYER_SCALE;
     float2 first = floor(layers.uv * ceil(layers.size / 8.0)) * float(texels) + float2(0.5, 0.5);
     float4 sums = float4(0.0, 0.0, 0.0, 0.0);
-    float2 gatherCoC = float2(0.0, 0.0);
+    float4 gatherCoC = float4(0.0, 0.0, 0.0, 0.0);
     for (int y = 0; y < texels; y++)
     {
         for (int x = 0; x < texels; x++)
         {
             float2 place = first + float2(float(x), float(y));
             sums += BokehFetchGridTexel(SumsSamp, place, grid);
-            gatherCoC = max(gatherCoC, BokehFetchGridTexel(GatherCoCSamp, place,
-                grid).rg);
+            gatherCoC = max(gatherCoC, BokehFetchGridTexel(GatherCoCSamp, place, grid));
         }
     }
     BokehTileSums targets;
-    targets.gatherCoC = float4(gatherCoC, 0.0, 1.0);
+    targets.gatherCoC = gatherCoC;
     targets.sums = sums / float(texels * texels);
     return targets;
 }
@@ -648,7 +681,7 @@ BokehTileSums BokehLayerCoCAlong(BOKEH_TEXTURE GatherCoCSamp, BOKEH_TEXTURE Sums
     float2 sigma = max(tile * BOKEH_TUNED_COC_SIGMA, float2(0.6, 0.6));
     float radius = BokehReachTiles(layers);
     float4 sums = float4(0.0, 0.0, 0.0, 0.0);
-    float2 gatherCoC = float2(0.0, 0.0);
+    float4 gatherCoC = float4(0.0, 0.0, 0.0, 0.0);
     float2 total = float2(0.0, 0.0);
     BOKEH_LOOP for (int i = 0; i < 255; i++)
     {
@@ -661,12 +694,12 @@ BokehTileSums BokehLayerCoCAlong(BOKEH_TEXTURE GatherCoCSamp, BOKEH_TEXTURE Sums
         float2 weight = exp(-0.5 * tiles * tiles / (sigma * sigma));
         sums += BokehFetchGrid(SumsSamp, place, grid BOKEH_LINEAR) * float4(weight.x, weight.x,
             weight.y, weight.y);
-        gatherCoC = max(gatherCoC, BokehReaching(BokehFetchGrid(GatherCoCSamp, place,
-            grid BOKEH_LINEAR).rg, abs(tiles)));
+        float4 found = BokehFetchGrid(GatherCoCSamp, place, grid BOKEH_LINEAR);
+        gatherCoC = max(gatherCoC, BokehGatherReaching(found, abs(tiles)));
         total += weight;
     }
     BokehTileSums targets;
-    targets.gatherCoC = float4(gatherCoC, 0.0, 1.0);
+    targets.gatherCoC = gatherCoC;
     targets.sums = sums / float4(total.x, total.x, total.y, total.y);
     return targets;
 }
@@ -683,8 +716,8 @@ BokehTileSums BokehLayerCoCRows(BOKEH_TEXTURE GatherCoCSamp, BOKEH_TEXTURE SumsS
 }
 
 // Layers: holds what BokehLayerCoCColumns writes
-//   gatherTiles   largest near and far CoC whose blur reaches this tile, then the largest near and
-//                 far gatherCoC; pixels
+//   gatherTiles   largest near and far CoC whose blur reaches this tile, then how far the gather
+//                 has to reach: the largest near and far gatherCoC, or those of lights; pixels
 //   layerCoC      rg = CoC to blur the near and the far layer with, pixels; 0 without a layer
 struct BokehLayerCoCTargets
 {
@@ -713,8 +746,11 @@ BokehLayerCoCTargets BokehLayerCoCColumns(BOKEH_TEXTURE GatherCoCSamp, BOKEH_TEX
     {
         layerCoC = float2(layerCoC.x, 8.0 * sums.b / sums.a);
     }
+    // a light comes first, but not the little of it that a linear filter leaks into the next tile
+    float2 light = tileSums.gatherCoC.ba;
+    float2 isDark = clamp(2.0 - light, float2(0.0, 0.0), float2(1.0, 1.0));
     BokehLayerCoCTargets targets;
-    targets.gatherTiles = float4(tile, tileSums.gatherCoC.rg);
+    targets.gatherTiles = float4(tile, light + tileSums.gatherCoC.rg * isDark);
     targets.layerCoC = float4(layerCoC, 0.0, 1.0);
     return targets;
 }

@@ -24,14 +24,14 @@ LINES = {
     (6, "medium"): (4, 1.00),
     (9, "medium"): (3, 1.00),
     (12, "medium"): (6, 1.01),
-    (-6, "medium"): (4, 1.00),
-    (-9, "medium"): (3, 0.99),
+    (-6, "medium"): (3, 1.01),
+    (-9, "medium"): (4, 1.00),
     (4, "high"): (1, 1.00),
     (6, "high"): (3, 1.00),
     (9, "high"): (5, 1.01),
     (12, "high"): (4, 0.97),
-    (-6, "high"): (3, 1.00),
-    (-9, "high"): (5, 1.00),
+    (-6, "high"): (2, 0.96),
+    (-9, "high"): (3, 0.99),
 }
 SLIT, BEHIND = 2, 20
 # CoC of the near objects in pixels, and preset -> light through the slit, and its largest brightness, as fractions of

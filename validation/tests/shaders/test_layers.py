@@ -194,12 +194,12 @@ def ending(render_pass: Pass, last: str, first: str = "", **changes) -> Pass:
     return replace(render_pass, sources={"glsl": f"{version}\n{first}\n#define main entry\n{text}\n{main}"}, **changes)
 
 
-# Targets that need only two channels, by docs/methods/layered.md
-TWO_CHANNELS = {"gather coc", "tile gather coc", "row gather coc", "layer coc"}
+# The target that needs only two channels, by docs/methods/layered.md
+TWO_CHANNELS = {"layer coc"}
 
 
 def test_two_channels_are_enough():
-    """Check that the targets that docs/methods/layered.md names may be RG16F without changing the image."""
+    """Check that the target that docs/methods/layered.md names may be RG16F without changing the image."""
     settings = methods.Settings("layered", "hexagon", 7, camera=CAMERA, use_mrt=False)
     driver, case = load("osmesa"), noise_case((101, 77), settings)
     passes, drop_channels = case.plan.passes, "BokehResult = vec4(BokehResult.rg, 0.0, 1.0);"
