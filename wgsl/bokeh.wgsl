@@ -130,13 +130,24 @@ const BOKEH_TUNED_RIM_FULL: f32 = 1.5;
 // texture in focus gets blurred beside near objects; with a higher one, more rims stay sharp.
 const BOKEH_TUNED_RIM_LIGHT: f32 = 64.0;
 
-// `exact` gives a sharp sample this weight on a ray in front of the focus. With a lower one, a near
-// light is denser on its own pixels than beside them; with a higher one, sharp objects leak.
+// `exact` gives a sharp sample this weight if the pixel is in front of the focus. With a lower one,
+// a near light is denser on its own pixels than beside them; with a higher one, sharp objects leak.
 const BOKEH_TUNED_SHARP_WEIGHT: f32 = 0.5;
 
 // `exact` makes a light denser down to this ratio of its CoC to the pixel's. With a lower one, the
 // few samples that are left show as dots; with a higher one, small lights lose energy.
 const BOKEH_TUNED_DENSE_RATIO: f32 = 0.25;
+
+// With squares, octagons and decagons, `exact` blurs a sample onto other pixels from START on, and
+// completely from FULL, as a ratio of its CoC to the pixel's. With lower limits, outlines of sharp
+// objects show again beside them; with higher ones, lights much smaller than the blur vanish.
+const BOKEH_TUNED_REACH_START: f32 = 0.2;
+const BOKEH_TUNED_REACH_FULL: f32 = 0.5;
+
+// If the samples of `exact` have less weight than this, the pixel itself supplies the rest. With a
+// lower one, some pixels between sharp objects differ from GPU to GPU; with a higher one, less of
+// what is around a light is blurred.
+const BOKEH_TUNED_LEAST_WEIGHT: f32 = 0.0625;
 
 // -------------------------------------------------------------------------------------------------
 // [2] porting: the one place where the three languages differ
@@ -251,7 +262,7 @@ fn BokehMakeLens(apertureDiameter: f32, focalLength: f32, focusDistance: f32) ->
 }
 
 // Listing 1: computes the CoC of a thin lens, negative where the pixel is nearer than the focus
-//   The signed CoC grows with depth, so the leakage test needs nothing else to compare depths.
+//   The signed CoC grows with depth, so later passes need nothing else to compare depths.
 //
 //      +maxCoC            ,--------     far field: > 0, also in a CoC map painted by hand
 //            0 - - - - -/- - - - - -> depth
@@ -500,15 +511,14 @@ fn BokehSignedCoCMap(ColorSamp: texture_2d<f32>, DepthSamp: BokehDepthTexture, u
 // -------------------------------------------------------------------------------------------------
 // [4] samples along a line
 
-// Lines: says how a line is sampled, and what the leakage test of Listing 3 lets pass
+// Lines: says how a line is sampled, and what the leakage test of `paper` lets pass
 //   aspectRatio   width / height of the image
 //   imageHeight   pixels
 //   spacing       pixels between samples, > 0; ignored with BOKEH_SPACING 0.0
 //   jitter        noise, -0.5 .. 0.5, for samples that are more than a pixel apart; 0 = none
-//   bleedingBias  CoC difference that still passes, fraction of the image height; 2 turns the test
-//                 off; without effect on the hexagon of [5]
-//   bleedingMult  weight per unit of CoC of a sample that does not pass; without effect on the
-//                 hexagon of [5]
+//   bleedingBias  for the leakage test of `paper` and `naive`: CoC difference that still passes,
+//                 fraction of the image height; 2 turns the test off
+//   bleedingMult  for the same test: weight per unit of CoC of a sample that does not pass
 struct BokehSamplingSettings
 {
     aspectRatio: f32,
@@ -565,33 +575,16 @@ fn BokehSampleCount(lengthInPixels: f32, spacing: f32) -> f32
     return samples;
 }
 
-// Lines: returns the weight of one sample against intensity leakage, from signed CoC alone
-//   This is the test of Listing 3 (section 2.1) with its weight squared. Behind the focus, a
-//   sharper sample is a nearer one. In front of the focus centerCoC is below 0, and every sample
-//   passes. The test fades in around the bias, because a step would make outlines pop. The weight
-//   is squared because each sample of the second pass stands for a whole line of the first pass.
-//   The bias is at least 0.001, or the rounding of half floats would reject samples of the pixel's
-//   own surface.
-//   sampleCoC, centerCoC  signed, fractions of the image height
-fn BokehSignedLeakageWeight(sampleCoC: f32, centerCoC: f32, settings: BokehSamplingSettings) -> f32
-{
-    let scale: f32 = 1.0 / max(settings.bleedingBias, 0.001);
-    let rejected: f32 = clamp((centerCoC * scale - 0.5) - abs(sampleCoC) * scale, 0.0, 1.0);
-    let weight: f32 = clamp(abs(sampleCoC) * settings.bleedingMult, 0.0, 1.0);
-    return 1.0 - rejected * (1.0 - weight * weight);
-}
-
-// Lines: divides a weighted sum by its weight, or returns centerPixel if all weights are 0
+// Lines: divides a weighted sum by its weight; what a small weight lacks, centerPixel supplies
+//   Without that, rounding would decide the colour of a pixel between sharp objects: the only
+//   sample with a weight could have one of 0.000001.
 //   sum           rgb = colour times weight, a = weight
 //   returns       rgb = colour, a = CoC of centerPixel
 fn BokehResolved(sum: vec4f, centerPixel: vec4f) -> vec4f
 {
-    var result: vec4f = centerPixel;
-    if (sum.a > 0.0)
-    {
-        result = vec4f(sum.rgb / sum.a, centerPixel.a);
-    }
-    return result;
+    let missing: f32 = max(BOKEH_TUNED_LEAST_WEIGHT - sum.a, 0.0);
+    return vec4f((sum.rgb + centerPixel.rgb * missing) / max(sum.a, BOKEH_TUNED_LEAST_WEIGHT),
+        centerPixel.a);
 }
 
 // -------------------------------------------------------------------------------------------------
@@ -781,38 +774,63 @@ fn BokehRay(k: i32, polygon: BokehPolygon, secondPass: bool) -> vec4f
     return segment * vec4f(polygon.squeeze, 1.0, polygon.squeeze, 1.0);
 }
 
-// Exact: returns the weight of a sample on a ray in front of the focus: does its blur reach this
-//   pixel?
+// Exact: returns the weight of a sample in front of the focus: does its blur reach this pixel?
 //   The blur of every sample does. A sample that is sharp or behind the focus has a lower weight:
 //   -ratio, but at least a half, so that a near light is as dense on its own pixels as beside them.
 //   The lower weight fades in over an eighth of this pixel's CoC, because a step would show while
 //   the focus is pulled.
 //   ratio         the sample's CoC / this pixel's; negative on the other side of the focus
-fn BokehNearRayWeight(ratio: f32) -> f32
+fn BokehNearWeight(ratio: f32) -> f32
 {
     return clamp(max(BOKEH_TUNED_SHARP_WEIGHT + 4.0 * ratio, -ratio), BOKEH_TUNED_SHARP_WEIGHT,
         1.0);
 }
 
-// Exact: returns the weight of sample i on a ray behind the focus: does its blur reach this pixel?
-//   A sample with a smaller CoC is nearer to the camera. Its blur reaches only a part of the ray,
+// Exact: returns the place of the line along edge k that is nearest to the pixel
+//   For squares, whose lines have the pixel in the middle, octagons and decagons. There, the first
+//   lines of the first pass end next to the pixel, and the last ones begin there; in the second
+//   pass, all begin there but the last. The formulas are close to the places in regular polygons.
+//   returns       0: the beginning of the line, 1: its end
+fn BokehNearestOnLine(k: i32, polygon: BokehPolygon, secondPass: bool) -> f32
+{
+    let edges: f32 = 0.5 * f32(polygon.sides);
+    var nearest: f32 = 0.5 + 0.69 * (0.5 * edges - f32(k));
+    if (secondPass)
+    {
+        nearest = f32(k) - edges + 1.0;
+    }
+    if (polygon.sides < 6)
+    {
+        nearest = 0.5;
+    }
+    return clamp(nearest, 0.0, 1.0);
+}
+
+// Exact: returns the weight of sample i on a line behind the focus: does its blur reach this pixel?
+//   A sample with a smaller CoC is nearer to the camera. Its blur reaches only a part of the line,
 //   the ratio of its CoC to this pixel's, and is denser there. So a light keeps its own size and
 //   its energy, and a sharp object in front does not leak. The density stops growing below a ratio
 //   of 1/4, where the few samples left would show as dots.
+//
+//      |-------|####o####|----|     the part that samples with a ratio of 0.4 reach; o: nearest
+//
 //   ratio         the sample's CoC / this pixel's; negative on the other side of the focus
-//   samples       number of samples on the ray, from BokehSampleCount
+//   samples       number of samples on the line, from BokehSampleCount
+//   nearest       0 on a ray, otherwise from BokehNearestOnLine
 //   returns       x = weight; y = weight without the density
-fn BokehFarRayWeight(ratio: f32, samples: f32, i: i32) -> vec2f
+fn BokehFarWeight(ratio: f32, samples: f32, i: i32, nearest: f32) -> vec2f
 {
     let part: f32 = min(abs(ratio), 1.0);
-    let reached: f32 = clamp(part * samples - f32(i), 0.0, 1.0);
+    let begin: f32 = nearest * (1.0 - part) * samples;
+    let end: f32 = begin + part * samples;
+    let reached: f32 = clamp(min(end, f32(i) + 1.0) - max(begin, f32(i)), 0.0, 1.0);
     return vec2f(reached / max(part, BOKEH_TUNED_DENSE_RATIO), reached);
 }
 
 // Exact: holds the sum of the samples along one line
 //   sum           rgb = mean of colour times weight, a = mean weight; in the second pass times the
 //                 area of the edge's parallelograms; 0 if the pixel is in focus
-//   reached       behind the focus: brightness of the sum without the density of BokehFarRayWeight
+//   reached       behind the focus: brightness of the sum without the density of BokehFarWeight
 struct BokehLine
 {
     sum: vec4f,
@@ -822,8 +840,8 @@ struct BokehLine
 // Exact: sums the samples along edge k, as many as the CoC of this pixel needs
 //   The sum is not divided by its weights here. A line that lies on a sharp object, and is
 //   therefore almost completely rejected, would come back at full strength (docs/methods/exact.md).
-//   On a ray the density can make the weights add up to more than one per sample. Dividing by them
-//   would darken the light. Instead the excess is subtracted, in the colour of the surface that the
+//   The density can make the weights add up to more than one per sample. Dividing by them would
+//   darken the light. Instead the excess is subtracted, in the colour of the surface that the
 //   light covers: the colour of this pixel, or the mean of all samples if that is darker.
 //   rays          true: the lines are those of BokehRay, false: those of BokehEdgeLine
 //   centerPixel   colour and signed CoC of this pixel, in the map or in strip 2
@@ -838,9 +856,11 @@ fn BokehLineSum(tex: texture_2d<f32>, uv: vec2f, k: i32, polygon: BokehPolygon, 
     if (CoC > 0.0)
     {
         var segment: vec4f = BokehEdgeLine(k, polygon, secondPass);
+        var nearest: f32 = BokehNearestOnLine(k, polygon, secondPass);
         if (rays)
         {
             segment = BokehRay(k, polygon, secondPass);
+            nearest = 0.0;
         }
         let lengthInPixels: f32 = 2.0 * length(segment.zw) * CoC * settings.imageHeight;
         let samples: f32 = BokehSampleCount(lengthInPixels, settings.spacing);
@@ -848,7 +868,14 @@ fn BokehLineSum(tex: texture_2d<f32>, uv: vec2f, k: i32, polygon: BokehPolygon, 
         let scale: vec2f = vec2f(CoC / settings.aspectRatio, CoC);
         let first: vec2f = uv + (segment.xy - segment.zw) * scale;
         let sampleStep: vec2f = segment.zw * scale * (2.0 / samples);
-        let inverseCoC: f32 = 1.0 / centerCoC;
+        // sample CoC * inverseCoC + reachesAll is the ratio of both CoC, or 1 for any sample
+        var inverseCoC: f32 = 1.0 / centerCoC;
+        var reachesAll: f32 = 0.0;
+        if (!rays && centerCoC < 0.0)
+        {
+            inverseCoC = 0.0;
+            reachesAll = 1.0;
+        }
         for (var i: i32 = 0; i < BOKEH_NUM_SAMPLES; i++)
         {
             if (BOKEH_SPACING > 0.0 && f32(i) >= samples)
@@ -858,26 +885,19 @@ fn BokehLineSum(tex: texture_2d<f32>, uv: vec2f, k: i32, polygon: BokehPolygon, 
             let part: f32 = clamp(samples - f32(i), 0.0, 1.0);
             let samplePixel: vec4f = BokehFetch(tex, first + sampleStep * (f32(i) + part * phase),
                 BokehLinearClamp);
-            if (rays)
+            let ratio: f32 = samplePixel.a * inverseCoC + reachesAll;
+            var weights: vec2f = BokehFarWeight(ratio, samples, i, nearest);
+            if (!rays)
             {
-                let ratio: f32 = samplePixel.a * inverseCoC;
-                if (centerCoC < 0.0)
-                {
-                    sum += vec4f(samplePixel.rgb, 1.0) * (part * BokehNearRayWeight(ratio));
-                }
-                else
-                {
-                    let weights: vec2f = BokehFarRayWeight(ratio, samples, i);
-                    sum += vec4f(samplePixel.rgb, 1.0) * weights.x;
-                    reached += (samplePixel.r + samplePixel.g + samplePixel.b) * weights.y;
-                }
+                weights *= clamp((abs(ratio) - BOKEH_TUNED_REACH_START) / (BOKEH_TUNED_REACH_FULL -
+                    BOKEH_TUNED_REACH_START), 0.0, 1.0);
             }
-            else
+            else if (centerCoC < 0.0)
             {
-                let weight: f32 = part * BokehSignedLeakageWeight(samplePixel.a, centerCoC,
-                    settings);
-                sum += vec4f(samplePixel.rgb, 1.0) * weight;
+                weights = vec2f(part * BokehNearWeight(ratio), 0.0);
             }
+            sum += vec4f(samplePixel.rgb, 1.0) * weights.x;
+            reached += (samplePixel.r + samplePixel.g + samplePixel.b) * weights.y;
         }
         if (rays)
         {
@@ -908,18 +928,22 @@ fn BokehLineSum(tex: texture_2d<f32>, uv: vec2f, k: i32, polygon: BokehPolygon, 
 //   is the CoC of this pixel; the factor 1.001 keeps rounding from changing it where all pixels
 //   have the same CoC.
 //   returns       rgb = colour, a = signed CoC
-fn BokehExactTarget(k: i32, polygon: BokehPolygon, rays: bool, L1: BokehLine, L2: BokehLine,
+fn BokehExactTarget(k: i32, polygon: BokehPolygon, L1: BokehLine, L2: BokehLine,
     L3: BokehLine, L4: BokehLine, centerPixel: vec4f) -> vec4f
 {
     let weights: vec4f = BokehEdgeWeights(k, polygon);
     let sum: vec4f = L1.sum * weights.x + L2.sum * weights.y + L3.sum * weights.z + L4.sum *
         weights.w;
     var result: vec4f = BokehResolved(sum, centerPixel);
-    let gathered: f32 = sum.r + sum.g + sum.b;
-    if (rays && centerPixel.a > 0.0 && gathered > 0.0)
+    // as much of this pixel as in BokehResolved, and a little more: black must not be divided by 0
+    let missing: f32 = max(BOKEH_TUNED_LEAST_WEIGHT - sum.a, 0.0) * (centerPixel.r + centerPixel.g +
+        centerPixel.b) + 0.000001;
+    let gathered: f32 = sum.r + sum.g + sum.b + missing;
+    if (centerPixel.a > 0.0)
     {
-        let reached: f32 = dot(vec4f(L1.reached, L2.reached, L3.reached, L4.reached), weights);
-        result = vec4f(result.rgb, result.a * min(reached / gathered * 1.001, 1.0));
+        let reached: f32 = missing + dot(vec4f(L1.reached, L2.reached, L3.reached, L4.reached),
+            weights);
+        result = vec4f(result.rgb, result.a * clamp(reached / gathered * 1.001, 0.0, 1.0));
     }
     return result;
 }
@@ -960,10 +984,10 @@ fn BokehExactFirst(MapSamp: texture_2d<f32>, uv: vec2f, last: i32, polygon: Boke
             BokehLinearClamp);
     }
     var targets: BokehTargets;
-    targets.strip2 = BokehExactTarget(2, polygon, rays, L1, L2, L3, L4, centerPixel);
-    targets.strip3 = BokehExactTarget(3, polygon, rays, L1, L2, L3, L4, centerPixel);
-    targets.strip4 = BokehExactTarget(4, polygon, rays, L1, L2, L3, L4, centerPixel);
-    targets.strip5 = BokehExactTarget(5, polygon, rays, L1, L2, L3, L4, centerPixel);
+    targets.strip2 = BokehExactTarget(2, polygon, L1, L2, L3, L4, centerPixel);
+    targets.strip3 = BokehExactTarget(3, polygon, L1, L2, L3, L4, centerPixel);
+    targets.strip4 = BokehExactTarget(4, polygon, L1, L2, L3, L4, centerPixel);
+    targets.strip5 = BokehExactTarget(5, polygon, L1, L2, L3, L4, centerPixel);
     return targets;
 }
 

@@ -81,7 +81,7 @@ export async function capture(kind) {
   for (const shot of shotsOf(METHODS)) {
     const { method, aperture } = shot;
     await draw(sample, { method, sides: SHAPES[method][aperture], opaque: false }, sizeOf(shot), uniformsOf(shot));
-    const written = method === 'layered' && (await readPasses(sample));
+    const written = method !== 'paper' && (await readPasses(sample));
     addShot(found, shot, settings(sample.bokeh.uniforms), await readFrame(sample), written);
   }
   data.pull = pulled(sample);

@@ -108,12 +108,12 @@ func _shot(files: Dictionary, method: String, aperture: String, sides: int, cloc
 		jobs.append([textures.metres, "floatBitsToUint(texel.r)"])
 	else:
 		jobs.append([textures.coc, "floatBitsToUint(SceneDepth(UV))", bokeh])
-	if method == "layered":
+	if method != "paper":
 		for row in bokeh.frame:
 			jobs += _halves(textures[row[0]])
 	var read := await _read(jobs)
 	var found := { color = _joined(read, 0), result = _joined(read, 2), depth = read[6] }
-	if method == "layered":
+	if method != "paper":
 		found.written = PackedByteArray()
 		for i in range(7, read.size(), 2):
 			found.written.append_array(_joined(read, i))

@@ -63,7 +63,7 @@ export async function capture() {
     const { method, aperture } = shot;
     const change = ({ uniforms }) => Object.assign(uniforms, uniformsOf(shot));
     const frame = await draw({ method, sides: SHAPES[method][aperture], opaque: false }, sizeOf(shot), change);
-    const targets = method === 'layered' && (await written(frame));
+    const targets = method !== 'paper' && (await written(frame));
     addShot({ data, files }, shot, settings(method, frame), await read(frame), targets);
   }
   data.pull = await pulled(Boolean(gl));

@@ -149,7 +149,7 @@ export async function capture(kind) {
     const { method, aperture, chain } = shot;
     const changes = { ...(chain && { chain }), uniforms: uniformsOf(shot) };
     const frame = sample.draw({ method, sides: SHAPES[method][aperture], opaque: false }, sizeOf(shot), changes);
-    const written = method === 'layered' && (await sample.readPasses(frame));
+    const written = method !== 'paper' && (await sample.readPasses(frame));
     addShot({ data, files }, shot, settings(method, frame.bokeh.uniforms), await sample.read(frame), written);
     data.pull = pulled(frame.bokeh, sample, kind === 'webgl');
   }

@@ -226,16 +226,9 @@ float samples=float(BOKEH_NUM_SAMPLES);
 if(BOKEH_SPACING>0.){
 samples=clamp(lengthInPixels/spacing,1.,float(BOKEH_NUM_SAMPLES));}
 return samples;}
-float BokehSignedLeakageWeight(float sampleCoC,float centerCoC,BokehSamplingSettings settings){
-float scale=1./max(settings.bleedingBias,.001);
-float rejected=clamp((centerCoC*scale-.5)-abs(sampleCoC)*scale,0.,1.);
-float weight=clamp(abs(sampleCoC)*settings.bleedingMult,0.,1.);
-return 1.-rejected*(1.-weight*weight);}
 vec4 BokehResolved(vec4 sum,vec4 centerPixel){
-vec4 result=centerPixel;
-if(sum.a>0.){
-result=vec4(sum.rgb/sum.a,centerPixel.a);}
-return result;}
+float missing=max(.0625-sum.a,0.);
+return vec4((sum.rgb+centerPixel.rgb*missing)/max(sum.a,.0625),centerPixel.a);}
 struct BokehPolygon{
 int sides;
 vec2 axis;
@@ -311,11 +304,21 @@ if(secondPass){
 middle-=polygon.corner+BokehEdge(2,polygon);}
 vec4 segment=vec4(BokehRotated(middle,polygon.axis),BokehRotated(halfEdge,polygon.axis));
 return segment*vec4(polygon.squeeze,1.,polygon.squeeze,1.);}
-float BokehNearRayWeight(float ratio){
+float BokehNearWeight(float ratio){
 return clamp(max(.5+4.*ratio,-ratio),.5,1.);}
-vec2 BokehFarRayWeight(float ratio,float samples,int i){
+float BokehNearestOnLine(int k,BokehPolygon polygon,bool secondPass){
+float edges=.5*float(polygon.sides);
+float nearest=.5+.69*(.5*edges-float(k));
+if(secondPass){
+nearest=float(k)-edges+1.;}
+if(polygon.sides<6){
+nearest=.5;}
+return clamp(nearest,0.,1.);}
+vec2 BokehFarWeight(float ratio,float samples,int i,float nearest){
 float part=min(abs(ratio),1.);
-float reached=clamp(part*samples-float(i),0.,1.);
+float begin=nearest*(1.-part)*samples;
+float end=begin+part*samples;
+float reached=clamp(min(end,float(i)+1.)-max(begin,float(i)),0.,1.);
 return vec2(reached/max(part,.25),reached);}
 struct BokehLine{
 vec4 sum;
@@ -328,8 +331,10 @@ float centerCoC=centerPixel.a;
 float CoC=BokehFilterCoC(abs(centerCoC),settings.imageHeight);
 if(CoC>0.){
 vec4 segment=BokehEdgeLine(k,polygon,secondPass);
+float nearest=BokehNearestOnLine(k,polygon,secondPass);
 if(rays){
-segment=BokehRay(k,polygon,secondPass);}
+segment=BokehRay(k,polygon,secondPass);
+nearest=0.;}
 float lengthInPixels=2.*length(segment.zw)*CoC*settings.imageHeight;
 float samples=BokehSampleCount(lengthInPixels,settings.spacing);
 float phase=.5+settings.jitter*clamp(lengthInPixels/samples-1.,0.,1.);
@@ -337,22 +342,23 @@ vec2 scale=vec2(CoC/settings.aspectRatio,CoC);
 vec2 first=uv+(segment.xy-segment.zw)*scale;
 vec2 sampleStep=segment.zw*scale*(2./samples);
 float inverseCoC=1./centerCoC;
+float reachesAll=0.;
+if(!rays&&centerCoC<0.){
+inverseCoC=0.;
+reachesAll=1.;}
 for(int i=0;i<BOKEH_NUM_SAMPLES;i++){
 if(BOKEH_SPACING>0.&&float(i)>=samples){
 break;}
 float part=clamp(samples-float(i),0.,1.);
 vec4 samplePixel=BokehFetch(tex,first+sampleStep*(float(i)+part*phase));
-if(rays){
-float ratio=samplePixel.a*inverseCoC;
-if(centerCoC<0.){
-sum+=vec4(samplePixel.rgb,1.)*(part*BokehNearRayWeight(ratio));}
-else{
-vec2 weights=BokehFarRayWeight(ratio,samples,i);
+float ratio=samplePixel.a*inverseCoC+reachesAll;
+vec2 weights=BokehFarWeight(ratio,samples,i,nearest);
+if(!rays){
+weights*=clamp((abs(ratio)-.2)/(.5 -.2),0.,1.);}
+else if(centerCoC<0.){
+weights=vec2(part*BokehNearWeight(ratio),0.);}
 sum+=vec4(samplePixel.rgb,1.)*weights.x;
-reached+=(samplePixel.r+samplePixel.g+samplePixel.b)*weights.y;}}
-else{
-float weight=part*BokehSignedLeakageWeight(samplePixel.a,centerCoC,settings);
-sum+=vec4(samplePixel.rgb,1.)*weight;}}
+reached+=(samplePixel.r+samplePixel.g+samplePixel.b)*weights.y;}
 if(rays){
 float excess=max(sum.a-samples,0.);
 vec4 mean=sum/max(sum.a,samples);
@@ -367,14 +373,15 @@ BokehLine result;
 result.sum=sum;
 result.reached=reached;
 return result;}
-vec4 BokehExactTarget(int k,BokehPolygon polygon,bool rays,BokehLine L1,BokehLine L2,BokehLine L3,BokehLine L4,vec4 centerPixel){
+vec4 BokehExactTarget(int k,BokehPolygon polygon,BokehLine L1,BokehLine L2,BokehLine L3,BokehLine L4,vec4 centerPixel){
 vec4 weights=BokehEdgeWeights(k,polygon);
 vec4 sum=L1.sum*weights.x+L2.sum*weights.y+L3.sum*weights.z+L4.sum*weights.w;
 vec4 result=BokehResolved(sum,centerPixel);
-float gathered=sum.r+sum.g+sum.b;
-if(rays&&centerPixel.a>0.&&gathered>0.){
-float reached=dot(vec4(L1.reached,L2.reached,L3.reached,L4.reached),weights);
-result=vec4(result.rgb,result.a*min(reached/gathered*1.001,1.));}
+float missing=max(.0625-sum.a,0.)*(centerPixel.r+centerPixel.g+centerPixel.b)+.000001;
+float gathered=sum.r+sum.g+sum.b+missing;
+if(centerPixel.a>0.){
+float reached=missing+dot(vec4(L1.reached,L2.reached,L3.reached,L4.reached),weights);
+result=vec4(result.rgb,result.a*clamp(reached/gathered*1.001,0.,1.));}
 return result;}
 BokehTargets BokehExactFirst(sampler2D MapSamp,vec2 uv,int last,BokehPolygon polygon,BokehSamplingSettings settings){
 vec4 centerPixel=BokehFetch(MapSamp,uv);
@@ -394,10 +401,10 @@ L3=BokehLineSum(MapSamp,uv,3,polygon,false,rays,centerPixel,settings);}
 if(last>4){
 L4=BokehLineSum(MapSamp,uv,4,polygon,false,rays,centerPixel,settings);}
 BokehTargets targets;
-targets.strip2=BokehExactTarget(2,polygon,rays,L1,L2,L3,L4,centerPixel);
-targets.strip3=BokehExactTarget(3,polygon,rays,L1,L2,L3,L4,centerPixel);
-targets.strip4=BokehExactTarget(4,polygon,rays,L1,L2,L3,L4,centerPixel);
-targets.strip5=BokehExactTarget(5,polygon,rays,L1,L2,L3,L4,centerPixel);
+targets.strip2=BokehExactTarget(2,polygon,L1,L2,L3,L4,centerPixel);
+targets.strip3=BokehExactTarget(3,polygon,L1,L2,L3,L4,centerPixel);
+targets.strip4=BokehExactTarget(4,polygon,L1,L2,L3,L4,centerPixel);
+targets.strip5=BokehExactTarget(5,polygon,L1,L2,L3,L4,centerPixel);
 return targets;}
 BokehTargets BokehSquareFirst(sampler2D MapSamp,vec2 uv,BokehPolygon polygon,BokehSamplingSettings settings){
 return BokehExactFirst(MapSamp,uv,2,polygon,settings);}
@@ -1569,16 +1576,9 @@ var samples=f32(BOKEH_NUM_SAMPLES);
 if(BOKEH_SPACING>0.){
 samples=clamp(lengthInPixels/spacing,1.,f32(BOKEH_NUM_SAMPLES));}
 return samples;}
-fn BokehSignedLeakageWeight(sampleCoC:f32,centerCoC:f32,settings:BokehSamplingSettings)->f32{
-let scale=1./max(settings.bleedingBias,.001);
-let rejected=clamp((centerCoC*scale-.5)-abs(sampleCoC)*scale,0.,1.);
-let weight=clamp(abs(sampleCoC)*settings.bleedingMult,0.,1.);
-return 1.-rejected*(1.-weight*weight);}
 fn BokehResolved(sum:vec4f,centerPixel:vec4f)->vec4f{
-var result=centerPixel;
-if(sum.a>0.){
-result=vec4f(sum.rgb/sum.a,centerPixel.a);}
-return result;}
+let missing=max(.0625-sum.a,0.);
+return vec4f((sum.rgb+centerPixel.rgb*missing)/max(sum.a,.0625),centerPixel.a);}
 struct BokehPolygon{
 sides:i32,axis:vec2f,squeeze:f32,lengths:vec4f,fifth:f32,corner:vec2f,mean:vec2f,area:f32,}
 struct BokehTargets{
@@ -1642,11 +1642,21 @@ if(secondPass){
 middle-=polygon.corner+BokehEdge(2,polygon);}
 let segment=vec4f(BokehRotated(middle,polygon.axis),BokehRotated(halfEdge,polygon.axis));
 return segment*vec4f(polygon.squeeze,1.,polygon.squeeze,1.);}
-fn BokehNearRayWeight(ratio:f32)->f32{
+fn BokehNearWeight(ratio:f32)->f32{
 return clamp(max(.5+4.*ratio,-ratio),.5,1.);}
-fn BokehFarRayWeight(ratio:f32,samples:f32,i:i32)->vec2f{
+fn BokehNearestOnLine(k:i32,polygon:BokehPolygon,secondPass:bool)->f32{
+let edges=.5*f32(polygon.sides);
+var nearest=.5+.69*(.5*edges-f32(k));
+if(secondPass){
+nearest=f32(k)-edges+1.;}
+if(polygon.sides<6){
+nearest=.5;}
+return clamp(nearest,0.,1.);}
+fn BokehFarWeight(ratio:f32,samples:f32,i:i32,nearest:f32)->vec2f{
 let part=min(abs(ratio),1.);
-let reached=clamp(part*samples-f32(i),0.,1.);
+let begin=nearest*(1.-part)*samples;
+let end=begin+part*samples;
+let reached=clamp(min(end,f32(i)+1.)-max(begin,f32(i)),0.,1.);
 return vec2f(reached/max(part,.25),reached);}
 struct BokehLine{
 sum:vec4f,reached:f32,}
@@ -1657,31 +1667,34 @@ let centerCoC=centerPixel.a;
 let CoC=BokehFilterCoC(abs(centerCoC),settings.imageHeight);
 if(CoC>0.){
 var segment=BokehEdgeLine(k,polygon,secondPass);
+var nearest=BokehNearestOnLine(k,polygon,secondPass);
 if(rays){
-segment=BokehRay(k,polygon,secondPass);}
+segment=BokehRay(k,polygon,secondPass);
+nearest=0.;}
 let lengthInPixels=2.*length(segment.zw)*CoC*settings.imageHeight;
 let samples=BokehSampleCount(lengthInPixels,settings.spacing);
 let phase=.5+settings.jitter*clamp(lengthInPixels/samples-1.,0.,1.);
 let scale=vec2f(CoC/settings.aspectRatio,CoC);
 let first=uv+(segment.xy-segment.zw)*scale;
 let sampleStep=segment.zw*scale*(2./samples);
-let inverseCoC=1./centerCoC;
+var inverseCoC=1./centerCoC;
+var reachesAll=0.;
+if(!rays&&centerCoC<0.){
+inverseCoC=0.;
+reachesAll=1.;}
 for(var i=0;i<BOKEH_NUM_SAMPLES;i++){
 if(BOKEH_SPACING>0.&&f32(i)>=samples){
 break;}
 let part=clamp(samples-f32(i),0.,1.);
 let samplePixel=BokehFetch(tex,first+sampleStep*(f32(i)+part*phase),BokehLinearClamp);
-if(rays){
-let ratio=samplePixel.a*inverseCoC;
-if(centerCoC<0.){
-sum+=vec4f(samplePixel.rgb,1.)*(part*BokehNearRayWeight(ratio));}
-else{
-let weights=BokehFarRayWeight(ratio,samples,i);
+let ratio=samplePixel.a*inverseCoC+reachesAll;
+var weights=BokehFarWeight(ratio,samples,i,nearest);
+if(!rays){
+weights*=clamp((abs(ratio)-.2)/(.5 -.2),0.,1.);}
+else if(centerCoC<0.){
+weights=vec2f(part*BokehNearWeight(ratio),0.);}
 sum+=vec4f(samplePixel.rgb,1.)*weights.x;
-reached+=(samplePixel.r+samplePixel.g+samplePixel.b)*weights.y;}}
-else{
-let weight=part*BokehSignedLeakageWeight(samplePixel.a,centerCoC,settings);
-sum+=vec4f(samplePixel.rgb,1.)*weight;}}
+reached+=(samplePixel.r+samplePixel.g+samplePixel.b)*weights.y;}
 if(rays){
 let excess=max(sum.a-samples,0.);
 let mean=sum/max(sum.a,samples);
@@ -1696,14 +1709,15 @@ var result:BokehLine;
 result.sum=sum;
 result.reached=reached;
 return result;}
-fn BokehExactTarget(k:i32,polygon:BokehPolygon,rays:bool,L1:BokehLine,L2:BokehLine,L3:BokehLine,L4:BokehLine,centerPixel:vec4f)->vec4f{
+fn BokehExactTarget(k:i32,polygon:BokehPolygon,L1:BokehLine,L2:BokehLine,L3:BokehLine,L4:BokehLine,centerPixel:vec4f)->vec4f{
 let weights=BokehEdgeWeights(k,polygon);
 let sum=L1.sum*weights.x+L2.sum*weights.y+L3.sum*weights.z+L4.sum*weights.w;
 var result=BokehResolved(sum,centerPixel);
-let gathered=sum.r+sum.g+sum.b;
-if(rays&&centerPixel.a>0.&&gathered>0.){
-let reached=dot(vec4f(L1.reached,L2.reached,L3.reached,L4.reached),weights);
-result=vec4f(result.rgb,result.a*min(reached/gathered*1.001,1.));}
+let missing=max(.0625-sum.a,0.)*(centerPixel.r+centerPixel.g+centerPixel.b)+.000001;
+let gathered=sum.r+sum.g+sum.b+missing;
+if(centerPixel.a>0.){
+let reached=missing+dot(vec4f(L1.reached,L2.reached,L3.reached,L4.reached),weights);
+result=vec4f(result.rgb,result.a*clamp(reached/gathered*1.001,0.,1.));}
 return result;}
 fn BokehExactFirst(MapSamp:texture_2d<f32>,uv:vec2f,last:i32,polygon:BokehPolygon,settings:BokehSamplingSettings,BokehLinearClamp:sampler)->BokehTargets{
 let centerPixel=BokehFetch(MapSamp,uv,BokehLinearClamp);
@@ -1723,10 +1737,10 @@ L3=BokehLineSum(MapSamp,uv,3,polygon,false,rays,centerPixel,settings,BokehLinear
 if(last>4){
 L4=BokehLineSum(MapSamp,uv,4,polygon,false,rays,centerPixel,settings,BokehLinearClamp);}
 var targets:BokehTargets;
-targets.strip2=BokehExactTarget(2,polygon,rays,L1,L2,L3,L4,centerPixel);
-targets.strip3=BokehExactTarget(3,polygon,rays,L1,L2,L3,L4,centerPixel);
-targets.strip4=BokehExactTarget(4,polygon,rays,L1,L2,L3,L4,centerPixel);
-targets.strip5=BokehExactTarget(5,polygon,rays,L1,L2,L3,L4,centerPixel);
+targets.strip2=BokehExactTarget(2,polygon,L1,L2,L3,L4,centerPixel);
+targets.strip3=BokehExactTarget(3,polygon,L1,L2,L3,L4,centerPixel);
+targets.strip4=BokehExactTarget(4,polygon,L1,L2,L3,L4,centerPixel);
+targets.strip5=BokehExactTarget(5,polygon,L1,L2,L3,L4,centerPixel);
 return targets;}
 fn BokehSquareFirst(MapSamp:texture_2d<f32>,uv:vec2f,polygon:BokehPolygon,settings:BokehSamplingSettings,BokehLinearClamp:sampler)->BokehTargets{
 return BokehExactFirst(MapSamp,uv,2,polygon,settings,BokehLinearClamp);}

@@ -172,7 +172,7 @@ def _compared(
 
 
 def _written(path: Path, case: Case) -> dict[str, np.ndarray]:
-    """Read name -> pixels of all targets of a layered shot. Raises Broken."""
+    """Read name -> pixels of all targets of a shot. Raises Broken."""
     shapes = {
         target: (*target_size(render_pass.scale, case.size)[::-1], 4)
         for render_pass in case.plan.passes

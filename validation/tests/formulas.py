@@ -56,8 +56,10 @@ def run_pass(render_pass: Pass, inputs: Mapping[str, np.ndarray]) -> list[np.nda
         return [_debug(color, depth, values)]
     if role in (LINE, GRID, TABLE):
         filtered = [gather([color], depth, _fixed(render_pass, inputs), values, values["BokehBlurCoC"] > 0.5)]
+    elif role == ADAPTIVE:
+        filtered = _along_line(render_pass, inputs, depth)
     else:
-        filtered = _along_lines(render_pass, inputs, depth)
+        filtered = _exact(render_pass, inputs)
     if "ColorSampB" in inputs and role in (LINE, ADAPTIVE):
         # Listing 4
         combine = np.maximum if values["BokehUseMax"] > 0.5 else np.minimum
@@ -155,7 +157,7 @@ def _fixed(render_pass: Pass, inputs: Mapping[str, np.ndarray]) -> Iterator[Samp
 
 def gather(
     sources: Sequence[np.ndarray],
-    depth: np.ndarray | None,
+    depth: np.ndarray,
     samples: Iterable[Sample],
     values: Mapping[str, float],
     blur_coc: bool,
@@ -163,7 +165,7 @@ def gather(
     """Return the weighted mean of samples around each pixel (Listing 3); the pixel itself if every sample is rejected.
 
     sources   textures to sample; the first one has the centre pixels
-    depth     None: the CoC is signed, and the leakage test needs no depth
+    depth     for the leakage test
     samples   see Sample
     values    parameters by name
     blur_coc  whether alpha is averaged too
@@ -173,11 +175,8 @@ def gather(
     color, total = np.zeros_like(center), np.zeros(center.shape[:2])
     for source, x, y, weight in samples:
         sample = sampling.bilinear(sources[source], column + x, row + y)
-        if depth is None:
-            leak = listings.signed_leakage_weight(sample[..., 3], center[..., 3], *leakage)
-        else:
-            near = depth.reshape(-1)[sampling.nearest_index(column + x, row + y, size)]
-            leak = listings.leakage_weight(near, sample[..., 3], listings.safe_depth(depth), center[..., 3], *leakage)
+        near = depth.reshape(-1)[sampling.nearest_index(column + x, row + y, size)]
+        leak = listings.leakage_weight(near, sample[..., 3], listings.safe_depth(depth), center[..., 3], *leakage)
         color += sample * (leak * weight)[..., None]
         total += leak * weight
     with np.errstate(invalid="ignore", divide="ignore"):
@@ -185,36 +184,43 @@ def gather(
     return mean if blur_coc else np.concatenate([mean[..., :3], center[..., 3:]], axis=-1)
 
 
-def _along_lines(render_pass: Pass, inputs: Mapping[str, np.ndarray], depth: np.ndarray | None) -> list[np.ndarray]:
-    """Compute `BokehAdaptive` and the passes of exact polygons: for each target, the lines that contribute to it."""
-    values, size = render_pass.given(), inputs["ColorSamp"].shape[1::-1]
-    pass_lines, targets = lines(render_pass, size), []
-    if is_hexagon(render_pass):
-        return _along_rays(render_pass, inputs, pass_lines)
-    slots = list(dict.fromkeys(["ColorSamp", *(line.slot for line in pass_lines)]))
-    blur_coc = render_pass.spec.role == ADAPTIVE and values["BokehBlurCoC"] > 0.5
-    sources = [inputs[slot] for slot in slots]
-    for target in range(len(pass_lines[0].shares)):
-        samples = (
-            (slots.index(line.slot), x, y, (end - begin) * line.shares[target])
-            for line in pass_lines
-            if np.any(line.shares[target])
-            for x, y, begin, end in cells(render_pass, line, sources[0][..., 3])
-        )
-        targets.append(gather(sources, depth, samples, values, blur_coc))
-    return targets
+def _along_line(render_pass: Pass, inputs: Mapping[str, np.ndarray], depth: np.ndarray) -> list[np.ndarray]:
+    """Compute `BokehAdaptive`."""
+    color, values = inputs["ColorSamp"], render_pass.given()
+    (line,) = lines(render_pass, color.shape[1::-1])
+    samples = ((0, x, y, end - begin) for x, y, begin, end in cells(render_pass, line, color[..., 3]))
+    return [gather([color], depth, samples, values, values["BokehBlurCoC"] > 0.5)]
 
 
-def is_hexagon(render_pass: Pass) -> bool:
-    """Return whether a pass belongs to an exact hexagon, whose lines are rays."""
+def is_exact(render_pass: Pass) -> bool:
+    """Return whether a pass belongs to an exact polygon."""
+    return render_pass.spec.role in (FIRST, SECOND, EDGE) and not render_pass.spec.layers
+
+
+def nearest(render_pass: Pass, line: Line) -> float | None:
+    """Return the place of a line that is taken for the nearest to the pixel, 0 to 1; None if it is a ray of a hexagon.
+
+    In a square that is the middle. In octagons and decagons of n edges per half, it is the end of the last line of the
+    second pass and the beginning of the others; in the first pass it falls by 0.69 from line to line, and is the middle
+    for a line in the middle of the half.
+    """
     sides = render_pass.spec.sides or round(render_pass.given()["BokehSides"])
-    return render_pass.spec.role in (FIRST, SECOND, EDGE) and not render_pass.spec.layers and sides == 6
+    half = sides // 2
+    if sides in (4, 6):
+        return 0.5 if sides == 4 else None
+    if render_pass.spec.role == SECOND:
+        return float(line.edge == half)
+    return float(np.clip(0.5 + 0.69 * (half / 2 - line.edge), 0.0, 1.0))
 
 
-def _along_rays(render_pass: Pass, inputs: Mapping[str, np.ndarray], pass_lines: Sequence[Line]) -> list[np.ndarray]:
+def _exact(render_pass: Pass, inputs: Mapping[str, np.ndarray]) -> list[np.ndarray]:
+    """Compute the passes of exact polygons: for each target, the lines that contribute to it."""
     center, is_first = inputs["ColorSamp"], render_pass.spec.role != SECOND
-    coc = center[..., 3]
-    along = [rays.gathered(cells(render_pass, line, coc), inputs[line.slot], coc) for line in pass_lines]
+    coc, pass_lines = center[..., 3], lines(render_pass, center.shape[1::-1])
+    along = [
+        rays.gathered(cells(render_pass, line, coc), inputs[line.slot], coc, nearest(render_pass, line))
+        for line in pass_lines
+    ]
     # a line of length 0 has gathered nothing
     sharp = filter_coc(np.abs(coc), len(coc), render_pass.spacing) == 0.0
     targets = []

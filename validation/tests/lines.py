@@ -38,11 +38,13 @@ class Line:
 
     slot    of the texture that is averaged along it
     shares  its weight in each of the pass's targets, before normalisation
+    edge    number of the polygon's edge, from 1; 0 for other lines
     """
 
     slot: str
     segment: Segment
     shares: tuple[float | np.ndarray, ...] = (1.0,)
+    edge: int = 0
 
 
 def lines(render_pass: Pass, size: tuple[int, int] | None = None) -> tuple[Line, ...]:
@@ -75,10 +77,10 @@ def lines(render_pass: Pass, size: tuple[int, int] | None = None) -> tuple[Line,
             k: lengths[k - 1] * sum(parallelogram(k, i, sides, lengths) for i in range(1, k))
             for k in range(2, half_sides + 1)
         }
-        return tuple(Line(COLORS[k - 2], edge(k, True), (area,)) for k, area in areas.items())
+        return tuple(Line(COLORS[k - 2], edge(k, True), (area,), k) for k, area in areas.items())
     targets = range(2, half_sides + 1) if entry.role == FIRST else (render_pass.constants["BOKEH_TARGET_INDEX"] + 2,)
     return tuple(
-        Line(color, edge(i, False), tuple(parallelogram(k, i, sides, lengths) for k in targets))
+        Line(color, edge(i, False), tuple(parallelogram(k, i, sides, lengths) for k in targets), i)
         for i in range(1, max(targets))
     )
 

@@ -1,6 +1,7 @@
-"""Compute the lines of an exact hexagon in float64: they start at the pixel, and a sample is weighted by its own CoC.
+"""Compute the lines of an exact polygon in float64: a sample is weighted by its own CoC.
 
-A cell is a piece of a line from `begin` to `end`, 0 at the pixel and 1 at the far end, with one sample.
+A cell is a piece of a line from `begin` to `end`, 0 and 1 at the ends of the line, with one sample. The lines of a
+hexagon start at the pixel, so they are called rays.
 """
 
 from collections.abc import Iterable, Sequence
@@ -14,6 +15,10 @@ from bokeh_validation.reference import sampling
 Cell = tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]
 # Behind the focus: how much denser than its surroundings a light may be. In front of it: the weight of a sharp sample
 MOST_DENSITY, SHARP = 4.0, 0.5
+# Of other lines than rays: ratio of a sample's CoC to the pixel's from which its blur fades in, and is complete
+FADE = (0.2, 0.5)
+# Below this weight, the pixel itself supplies the rest
+LEAST_WEIGHT = 0.0625
 # A little above 1, so that rounding does not change a constant CoC
 HANDED_ON = 1.001
 
@@ -26,17 +31,19 @@ class Gathered:
     cells    (N, H, W): the fraction of the line that each sample represents
     weights  (N, H, W)
     reached  (N, H, W): the weights without the density
+    is_ray   whether the line is a ray
     """
 
     samples: np.ndarray
     cells: np.ndarray
     weights: np.ndarray
     reached: np.ndarray
+    is_ray: bool
 
     @property
     def excess(self) -> np.ndarray:
-        """Return by how much the weights exceed the line, (H, W); the pixel's own surface gives that up."""
-        return np.maximum(self.weights.sum(axis=0) - 1.0, 0.0)
+        """Return by how much the weights exceed a ray, (H, W); the pixel's own surface gives that up."""
+        return np.maximum(self.weights.sum(axis=0) - 1.0, 0.0) * self.is_ray
 
     def removed(self, center: np.ndarray) -> np.ndarray:
         """Return the colour times weight that the surface gives up, (H, W, 3), for centre pixels (H, W, C).
@@ -48,40 +55,44 @@ class Gathered:
         return np.where(self.excess[..., None] > 0.0, np.minimum(center[..., :3], mean) * self.excess[..., None], 0.0)
 
 
-def weights(sample_coc, center_coc, begin, end):
+def weights(sample_coc, center_coc, begin, end, nearest=None):
     """Return (weight, weight without density) of a cell.
 
-    Behind the focus, the blur of a sample with CoC s covers s / c of the line of a pixel with CoC c. In front of the
-    focus it covers all of it, and a sample is weighted by its size, at least by half; the weight of a sample in front
-    of the focus ramps to 1 until its CoC is an eighth of the pixel's.
+    nearest  of a line that is no ray: its place that is nearest to the pixel, 0 to 1
+
+    Behind the focus, the blur of a sample with CoC s covers s / c of the line of a pixel with CoC c, and `nearest`
+    divides the rest of the line in the same proportion as the whole line. In front of the focus it covers all of it. On
+    a ray, a sample is weighted by its size there, at least by half; the weight of a sample in front of the focus ramps
+    to 1 until its CoC is an eighth of the pixel's.
     """
     with np.errstate(invalid="ignore", divide="ignore"):
         side = np.where(center_coc == 0.0, 1.0, sample_coc / center_coc)
     ratio = np.minimum(np.abs(side), 1.0)
     is_near = center_coc < 0.0
-    reached = np.where(
-        is_near,
-        (end - begin) * np.maximum(ratio, np.clip(SHARP + 4.0 * side, SHARP, 1.0)),
-        np.minimum(end, ratio) - np.minimum(begin, ratio),
-    )
+    first = 0.0 if nearest is None else nearest * (1.0 - ratio)
+    covered = np.maximum(np.minimum(end, first + ratio) - np.maximum(begin, first), 0.0)
+    if nearest is not None:
+        covered = covered * np.clip((np.abs(side) - FADE[0]) / (FADE[1] - FADE[0]), 0.0, 1.0)
+    size = np.maximum(ratio, np.clip(SHARP + 4.0 * side, SHARP, 1.0)) if nearest is None else 1.0
+    reached = np.where(is_near, (end - begin) * size, covered)
     weight = reached * np.where(is_near, 1.0, np.minimum(1.0 / np.maximum(ratio, 1e-9), MOST_DENSITY))
     return weight, reached
 
 
-def gathered(cells: Iterable[Cell], source: np.ndarray, center_coc: np.ndarray) -> Gathered:
-    """Gather along a line through a texture (H, W, C) with the CoC in its last channel."""
+def gathered(cells: Iterable[Cell], source: np.ndarray, center_coc: np.ndarray, nearest=None) -> Gathered:
+    """Gather along a line through a texture (H, W, C) with the CoC in its last channel; `nearest` as in weights()."""
     row, column = np.mgrid[0 : len(source), 0 : source.shape[1]] + 0.5
     samples, cell_weights, widths = [], [], []
     for x, y, begin, end in cells:
         samples.append(sampling.bilinear(source, column + x, row + y))
-        cell_weights.append(weights(samples[-1][..., -1], center_coc, begin, end))
+        cell_weights.append(weights(samples[-1][..., -1], center_coc, begin, end, nearest))
         widths.append(np.broadcast_to(end - begin, center_coc.shape))
     weight, reached = np.moveaxis(np.array(cell_weights), 1, 0)
-    return Gathered(np.array(samples), np.array(widths), weight, reached)
+    return Gathered(np.array(samples), np.array(widths), weight, reached, nearest is None)
 
 
 def target(lines: Sequence[tuple[Gathered, float | np.ndarray]], center: np.ndarray, hands_on: bool) -> np.ndarray:
-    """Return the weighted mean of several lines; the pixel itself if nothing reached it.
+    """Return the weighted mean of several lines. If they have little weight together, the pixel itself adds to it.
 
     lines     pairs of a line's gathered samples and its weight
     center    (H, W, C) centre pixels
@@ -97,7 +108,9 @@ def target(lines: Sequence[tuple[Gathered, float | np.ndarray]], center: np.ndar
         light = light + share * gathered_color.sum(axis=-1)
         line_reached = (line.reached * brightness).sum(axis=0) - removed.sum(axis=-1)
         reached = reached + share * np.maximum(line_reached, 0.0)
-    with np.errstate(invalid="ignore", divide="ignore"):
-        mean = np.where(total[..., None] > 0.0, color / total[..., None], center[..., :3])
-        smaller = np.where(light > 0.0, np.minimum(reached / light * HANDED_ON, 1.0), 1.0)
+    missing = np.maximum(LEAST_WEIGHT - total, 0.0)
+    mean = (color + center[..., :3] * missing[..., None]) / np.maximum(total, LEAST_WEIGHT)[..., None]
+    # the same for the brightness, and a little more, so that black is not divided by 0
+    unblurred = center[..., :3].sum(axis=-1) * missing + 1e-6
+    smaller = np.minimum((reached + unblurred) / (light + unblurred) * HANDED_ON, 1.0)
     return np.concatenate([mean, (center[..., 3] * (smaller if hands_on else 1.0))[..., None]], axis=-1)

@@ -28,7 +28,7 @@ from collections.abc import Mapping
 
 import numpy as np
 import rays
-from formulas import cells, filter_coc, is_hexagon
+from formulas import cells, filter_coc, is_exact, nearest
 from lines import Line, Segment, lines
 
 from bokeh_validation.numerics import precision
@@ -52,7 +52,7 @@ def allowed(render_pass: Pass, before: Outputs, after: Outputs) -> np.ndarray:
     for line in lines(render_pass):
         line_inputs = [frame[render_pass.inputs[line.slot]] for frame in (before, after)]
         weights = None
-        if is_hexagon(render_pass):
+        if is_exact(render_pass):
             weights = _ray_weights(
                 render_pass, line, line_inputs, [frame[center][..., -1] for frame in (before, after)]
             )
@@ -70,7 +70,7 @@ def _ray_weights(render_pass: Pass, line: Line, read, coc) -> tuple[np.ndarray, 
     """
     frame_weights, sums = [], []
     for source, center in zip(read, coc, strict=True):
-        ray = rays.gathered(cells(render_pass, line, center), source, center)
+        ray = rays.gathered(cells(render_pass, line, center), source, center, nearest(render_pass, line))
         # the first cell has the full length
         frame_weights.append((ray.weights - ray.cells) / ray.cells[0])
         sums.append((ray.weights.sum(axis=0) / ray.cells[0], ray.excess / ray.cells[0]))

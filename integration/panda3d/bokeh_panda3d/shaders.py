@@ -60,6 +60,9 @@ GLSL = r"""
 #define BOKEH_TUNED_RIM_LIGHT 64.0
 #define BOKEH_TUNED_SHARP_WEIGHT 0.5
 #define BOKEH_TUNED_DENSE_RATIO 0.25
+#define BOKEH_TUNED_REACH_START 0.2
+#define BOKEH_TUNED_REACH_FULL 0.5
+#define BOKEH_TUNED_LEAST_WEIGHT 0.0625
 #if BOKEH_NUM_SAMPLES < 2
 #error BOKEH_NUM_SAMPLES must be 2 or more: a line has two ends
 #endif
@@ -358,21 +361,11 @@ samples = clamp(lengthInPixels / spacing, 1.0, float(BOKEH_NUM_SAMPLES));
 }
 return samples;
 }
-float BokehSignedLeakageWeight(float sampleCoC, float centerCoC, BokehSamplingSettings settings)
-{
-float scale = 1.0 / max(settings.bleedingBias, 0.001);
-float rejected = clamp((centerCoC * scale - 0.5) - abs(sampleCoC) * scale, 0.0, 1.0);
-float weight = clamp(abs(sampleCoC) * settings.bleedingMult, 0.0, 1.0);
-return 1.0 - rejected * (1.0 - weight * weight);
-}
 vec4 BokehResolved(vec4 sum, vec4 centerPixel)
 {
-vec4 result = centerPixel;
-if (sum.a > 0.0)
-{
-result = vec4(sum.rgb / sum.a, centerPixel.a);
-}
-return result;
+float missing = max(BOKEH_TUNED_LEAST_WEIGHT - sum.a, 0.0);
+return vec4((sum.rgb + centerPixel.rgb * missing) / max(sum.a, BOKEH_TUNED_LEAST_WEIGHT),
+centerPixel.a);
 }
 struct BokehPolygon
 {
@@ -491,15 +484,31 @@ middle -= polygon.corner + BokehEdge(2, polygon);
 vec4 segment = vec4(BokehRotated(middle, polygon.axis), BokehRotated(halfEdge, polygon.axis));
 return segment * vec4(polygon.squeeze, 1.0, polygon.squeeze, 1.0);
 }
-float BokehNearRayWeight(float ratio)
+float BokehNearWeight(float ratio)
 {
 return clamp(max(BOKEH_TUNED_SHARP_WEIGHT + 4.0 * ratio, -ratio), BOKEH_TUNED_SHARP_WEIGHT,
 1.0);
 }
-vec2 BokehFarRayWeight(float ratio, float samples, int i)
+float BokehNearestOnLine(int k, BokehPolygon polygon, bool secondPass)
+{
+float edges = 0.5 * float(polygon.sides);
+float nearest = 0.5 + 0.69 * (0.5 * edges - float(k));
+if (secondPass)
+{
+nearest = float(k) - edges + 1.0;
+}
+if (polygon.sides < 6)
+{
+nearest = 0.5;
+}
+return clamp(nearest, 0.0, 1.0);
+}
+vec2 BokehFarWeight(float ratio, float samples, int i, float nearest)
 {
 float part = min(abs(ratio), 1.0);
-float reached = clamp(part * samples - float(i), 0.0, 1.0);
+float begin = nearest * (1.0 - part) * samples;
+float end = begin + part * samples;
+float reached = clamp(min(end, float(i) + 1.0) - max(begin, float(i)), 0.0, 1.0);
 return vec2(reached / max(part, BOKEH_TUNED_DENSE_RATIO), reached);
 }
 struct BokehLine
@@ -517,9 +526,11 @@ float CoC = BokehFilterCoC(abs(centerCoC), settings.imageHeight);
 if (CoC > 0.0)
 {
 vec4 segment = BokehEdgeLine(k, polygon, secondPass);
+float nearest = BokehNearestOnLine(k, polygon, secondPass);
 if (rays)
 {
 segment = BokehRay(k, polygon, secondPass);
+nearest = 0.0;
 }
 float lengthInPixels = 2.0 * length(segment.zw) * CoC * settings.imageHeight;
 float samples = BokehSampleCount(lengthInPixels, settings.spacing);
@@ -528,6 +539,12 @@ vec2 scale = vec2(CoC / settings.aspectRatio, CoC);
 vec2 first = uv + (segment.xy - segment.zw) * scale;
 vec2 sampleStep = segment.zw * scale * (2.0 / samples);
 float inverseCoC = 1.0 / centerCoC;
+float reachesAll = 0.0;
+if (!rays && centerCoC < 0.0)
+{
+inverseCoC = 0.0;
+reachesAll = 1.0;
+}
 for (int i = 0; i < BOKEH_NUM_SAMPLES; i++)
 {
 if (BOKEH_SPACING > 0.0 && float(i) >= samples)
@@ -536,25 +553,19 @@ break;
 }
 float part = clamp(samples - float(i), 0.0, 1.0);
 vec4 samplePixel = BokehFetch(tex, first + sampleStep * (float(i) + part * phase));
-if (rays)
+float ratio = samplePixel.a * inverseCoC + reachesAll;
+vec2 weights = BokehFarWeight(ratio, samples, i, nearest);
+if (!rays)
 {
-float ratio = samplePixel.a * inverseCoC;
-if (centerCoC < 0.0)
-{
-sum += vec4(samplePixel.rgb, 1.0) * (part * BokehNearRayWeight(ratio));
+weights *= clamp((abs(ratio) - BOKEH_TUNED_REACH_START) / (BOKEH_TUNED_REACH_FULL -
+BOKEH_TUNED_REACH_START), 0.0, 1.0);
 }
-else
+else if (centerCoC < 0.0)
 {
-vec2 weights = BokehFarRayWeight(ratio, samples, i);
+weights = vec2(part * BokehNearWeight(ratio), 0.0);
+}
 sum += vec4(samplePixel.rgb, 1.0) * weights.x;
 reached += (samplePixel.r + samplePixel.g + samplePixel.b) * weights.y;
-}
-}
-else
-{
-float weight = part * BokehSignedLeakageWeight(samplePixel.a, centerCoC, settings);
-sum += vec4(samplePixel.rgb, 1.0) * weight;
-}
 }
 if (rays)
 {
@@ -576,17 +587,20 @@ result.sum = sum;
 result.reached = reached;
 return result;
 }
-vec4 BokehExactTarget(int k, BokehPolygon polygon, bool rays, BokehLine L1, BokehLine L2,
+vec4 BokehExactTarget(int k, BokehPolygon polygon, BokehLine L1, BokehLine L2,
 BokehLine L3, BokehLine L4, vec4 centerPixel)
 {
 vec4 weights = BokehEdgeWeights(k, polygon);
 vec4 sum = L1.sum * weights.x + L2.sum * weights.y + L3.sum * weights.z + L4.sum * weights.w;
 vec4 result = BokehResolved(sum, centerPixel);
-float gathered = sum.r + sum.g + sum.b;
-if (rays && centerPixel.a > 0.0 && gathered > 0.0)
+float missing = max(BOKEH_TUNED_LEAST_WEIGHT - sum.a, 0.0) * (centerPixel.r + centerPixel.g +
+centerPixel.b) + 0.000001;
+float gathered = sum.r + sum.g + sum.b + missing;
+if (centerPixel.a > 0.0)
 {
-float reached = dot(vec4(L1.reached, L2.reached, L3.reached, L4.reached), weights);
-result = vec4(result.rgb, result.a * min(reached / gathered * 1.001, 1.0));
+float reached = missing + dot(vec4(L1.reached, L2.reached, L3.reached, L4.reached),
+weights);
+result = vec4(result.rgb, result.a * clamp(reached / gathered * 1.001, 0.0, 1.0));
 }
 return result;
 }
@@ -618,10 +632,10 @@ if (last > 4)
 L4 = BokehLineSum(MapSamp, uv, 4, polygon, false, rays, centerPixel, settings);
 }
 BokehTargets targets;
-targets.strip2 = BokehExactTarget(2, polygon, rays, L1, L2, L3, L4, centerPixel);
-targets.strip3 = BokehExactTarget(3, polygon, rays, L1, L2, L3, L4, centerPixel);
-targets.strip4 = BokehExactTarget(4, polygon, rays, L1, L2, L3, L4, centerPixel);
-targets.strip5 = BokehExactTarget(5, polygon, rays, L1, L2, L3, L4, centerPixel);
+targets.strip2 = BokehExactTarget(2, polygon, L1, L2, L3, L4, centerPixel);
+targets.strip3 = BokehExactTarget(3, polygon, L1, L2, L3, L4, centerPixel);
+targets.strip4 = BokehExactTarget(4, polygon, L1, L2, L3, L4, centerPixel);
+targets.strip5 = BokehExactTarget(5, polygon, L1, L2, L3, L4, centerPixel);
 return targets;
 }
 BokehTargets BokehSquareFirst(BOKEH_TEXTURE MapSamp, vec2 uv, BokehPolygon polygon,

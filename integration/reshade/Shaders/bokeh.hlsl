@@ -176,13 +176,24 @@
 // texture in focus gets blurred beside near objects; with a higher one, more rims stay sharp.
 #define BOKEH_TUNED_RIM_LIGHT 64.0
 
-// `exact` gives a sharp sample this weight on a ray in front of the focus. With a lower one, a near
-// light is denser on its own pixels than beside them; with a higher one, sharp objects leak.
+// `exact` gives a sharp sample this weight if the pixel is in front of the focus. With a lower one,
+// a near light is denser on its own pixels than beside them; with a higher one, sharp objects leak.
 #define BOKEH_TUNED_SHARP_WEIGHT 0.5
 
 // `exact` makes a light denser down to this ratio of its CoC to the pixel's. With a lower one, the
 // few samples that are left show as dots; with a higher one, small lights lose energy.
 #define BOKEH_TUNED_DENSE_RATIO 0.25
+
+// With squares, octagons and decagons, `exact` blurs a sample onto other pixels from START on, and
+// completely from FULL, as a ratio of its CoC to the pixel's. With lower limits, outlines of sharp
+// objects show again beside them; with higher ones, lights much smaller than the blur vanish.
+#define BOKEH_TUNED_REACH_START 0.2
+#define BOKEH_TUNED_REACH_FULL 0.5
+
+// If the samples of `exact` have less weight than this, the pixel itself supplies the rest. With a
+// lower one, some pixels between sharp objects differ from GPU to GPU; with a higher one, less of
+// what is around a light is blurred.
+#define BOKEH_TUNED_LEAST_WEIGHT 0.0625
 
 #if BOKEH_NUM_SAMPLES < 2
 #error BOKEH_NUM_SAMPLES must be 2 or more: a line has two ends
@@ -375,7 +386,7 @@ BokehLens BokehMakeLens(float apertureDiameter, float focalLength, float focusDi
 }
 
 // Listing 1: computes the CoC of a thin lens, negative where the pixel is nearer than the focus
-//   The signed CoC grows with depth, so the leakage test needs nothing else to compare depths.
+//   The signed CoC grows with depth, so later passes need nothing else to compare depths.
 //
 //      +maxCoC            ,--------     far field: > 0, also in a CoC map painted by hand
 //            0 - - - - -/- - - - - -> depth
@@ -623,15 +634,14 @@ float4 BokehSignedCoCMap(BOKEH_TEXTURE ColorSamp, BOKEH_DEPTH_TEXTURE DepthSamp,
 // -------------------------------------------------------------------------------------------------
 // [4] samples along a line
 
-// Lines: says how a line is sampled, and what the leakage test of Listing 3 lets pass
+// Lines: says how a line is sampled, and what the leakage test of `paper` lets pass
 //   aspectRatio   width / height of the image
 //   imageHeight   pixels
 //   spacing       pixels between samples, > 0; ignored with BOKEH_SPACING 0.0
 //   jitter        noise, -0.5 .. 0.5, for samples that are more than a pixel apart; 0 = none
-//   bleedingBias  CoC difference that still passes, fraction of the image height; 2 turns the test
-//                 off; without effect on the hexagon of [5]
-//   bleedingMult  weight per unit of CoC of a sample that does not pass; without effect on the
-//                 hexagon of [5]
+//   bleedingBias  for the leakage test of `paper` and `naive`: CoC difference that still passes,
+//                 fraction of the image height; 2 turns the test off
+//   bleedingMult  for the same test: weight per unit of CoC of a sample that does not pass
 struct BokehSamplingSettings
 {
     float aspectRatio;
@@ -688,33 +698,16 @@ float BokehSampleCount(float lengthInPixels, float spacing)
     return samples;
 }
 
-// Lines: returns the weight of one sample against intensity leakage, from signed CoC alone
-//   This is the test of Listing 3 (section 2.1) with its weight squared. Behind the focus, a
-//   sharper sample is a nearer one. In front of the focus centerCoC is below 0, and every sample
-//   passes. The test fades in around the bias, because a step would make outlines pop. The weight
-//   is squared because each sample of the second pass stands for a whole line of the first pass.
-//   The bias is at least 0.001, or the rounding of half floats would reject samples of the pixel's
-//   own surface.
-//   sampleCoC, centerCoC  signed, fractions of the image height
-float BokehSignedLeakageWeight(float sampleCoC, float centerCoC, BokehSamplingSettings settings)
-{
-    float scale = 1.0 / max(settings.bleedingBias, 0.001);
-    float rejected = clamp((centerCoC * scale - 0.5) - abs(sampleCoC) * scale, 0.0, 1.0);
-    float weight = clamp(abs(sampleCoC) * settings.bleedingMult, 0.0, 1.0);
-    return 1.0 - rejected * (1.0 - weight * weight);
-}
-
-// Lines: divides a weighted sum by its weight, or returns centerPixel if all weights are 0
+// Lines: divides a weighted sum by its weight; what a small weight lacks, centerPixel supplies
+//   Without that, rounding would decide the colour of a pixel between sharp objects: the only
+//   sample with a weight could have one of 0.000001.
 //   sum           rgb = colour times weight, a = weight
 //   returns       rgb = colour, a = CoC of centerPixel
 float4 BokehResolved(float4 sum, float4 centerPixel)
 {
-    float4 result = centerPixel;
-    if (sum.a > 0.0)
-    {
-        result = float4(sum.rgb / sum.a, centerPixel.a);
-    }
-    return result;
+    float missing = max(BOKEH_TUNED_LEAST_WEIGHT - sum.a, 0.0);
+    return float4((sum.rgb + centerPixel.rgb * missing) / max(sum.a, BOKEH_TUNED_LEAST_WEIGHT),
+        centerPixel.a);
 }
 
 // -------------------------------------------------------------------------------------------------
@@ -904,38 +897,63 @@ float4 BokehRay(int k, BokehPolygon polygon, bool secondPass)
     return segment * float4(polygon.squeeze, 1.0, polygon.squeeze, 1.0);
 }
 
-// Exact: returns the weight of a sample on a ray in front of the focus: does its blur reach this
-//   pixel?
+// Exact: returns the weight of a sample in front of the focus: does its blur reach this pixel?
 //   The blur of every sample does. A sample that is sharp or behind the focus has a lower weight:
 //   -ratio, but at least a half, so that a near light is as dense on its own pixels as beside them.
 //   The lower weight fades in over an eighth of this pixel's CoC, because a step would show while
 //   the focus is pulled.
 //   ratio         the sample's CoC / this pixel's; negative on the other side of the focus
-float BokehNearRayWeight(float ratio)
+float BokehNearWeight(float ratio)
 {
     return clamp(max(BOKEH_TUNED_SHARP_WEIGHT + 4.0 * ratio, -ratio), BOKEH_TUNED_SHARP_WEIGHT,
         1.0);
 }
 
-// Exact: returns the weight of sample i on a ray behind the focus: does its blur reach this pixel?
-//   A sample with a smaller CoC is nearer to the camera. Its blur reaches only a part of the ray,
+// Exact: returns the place of the line along edge k that is nearest to the pixel
+//   For squares, whose lines have the pixel in the middle, octagons and decagons. There, the first
+//   lines of the first pass end next to the pixel, and the last ones begin there; in the second
+//   pass, all begin there but the last. The formulas are close to the places in regular polygons.
+//   returns       0: the beginning of the line, 1: its end
+float BokehNearestOnLine(int k, BokehPolygon polygon, bool secondPass)
+{
+    float edges = 0.5 * float(polygon.sides);
+    float nearest = 0.5 + 0.69 * (0.5 * edges - float(k));
+    if (secondPass)
+    {
+        nearest = float(k) - edges + 1.0;
+    }
+    if (polygon.sides < 6)
+    {
+        nearest = 0.5;
+    }
+    return clamp(nearest, 0.0, 1.0);
+}
+
+// Exact: returns the weight of sample i on a line behind the focus: does its blur reach this pixel?
+//   A sample with a smaller CoC is nearer to the camera. Its blur reaches only a part of the line,
 //   the ratio of its CoC to this pixel's, and is denser there. So a light keeps its own size and
 //   its energy, and a sharp object in front does not leak. The density stops growing below a ratio
 //   of 1/4, where the few samples left would show as dots.
+//
+//      |-------|####o####|----|     the part that samples with a ratio of 0.4 reach; o: nearest
+//
 //   ratio         the sample's CoC / this pixel's; negative on the other side of the focus
-//   samples       number of samples on the ray, from BokehSampleCount
+//   samples       number of samples on the line, from BokehSampleCount
+//   nearest       0 on a ray, otherwise from BokehNearestOnLine
 //   returns       x = weight; y = weight without the density
-float2 BokehFarRayWeight(float ratio, float samples, int i)
+float2 BokehFarWeight(float ratio, float samples, int i, float nearest)
 {
     float part = min(abs(ratio), 1.0);
-    float reached = clamp(part * samples - float(i), 0.0, 1.0);
+    float begin = nearest * (1.0 - part) * samples;
+    float end = begin + part * samples;
+    float reached = clamp(min(end, float(i) + 1.0) - max(begin, float(i)), 0.0, 1.0);
     return float2(reached / max(part, BOKEH_TUNED_DENSE_RATIO), reached);
 }
 
 // Exact: holds the sum of the samples along one line
 //   sum           rgb = mean of colour times weight, a = mean weight; in the second pass times the
 //                 area of the edge's parallelograms; 0 if the pixel is in focus
-//   reached       behind the focus: brightness of the sum without the density of BokehFarRayWeight
+//   reached       behind the focus: brightness of the sum without the density of BokehFarWeight
 struct BokehLine
 {
     float4 sum;
@@ -945,8 +963,8 @@ struct BokehLine
 // Exact: sums the samples along edge k, as many as the CoC of this pixel needs
 //   The sum is not divided by its weights here. A line that lies on a sharp object, and is
 //   therefore almost completely rejected, would come back at full strength (docs/methods/exact.md).
-//   On a ray the density can make the weights add up to more than one per sample. Dividing by them
-//   would darken the light. Instead the excess is subtracted, in the colour of the surface that the
+//   The density can make the weights add up to more than one per sample. Dividing by them would
+//   darken the light. Instead the excess is subtracted, in the colour of the surface that the
 //   light covers: the colour of this pixel, or the mean of all samples if that is darker.
 //   rays          true: the lines are those of BokehRay, false: those of BokehEdgeLine
 //   centerPixel   colour and signed CoC of this pixel, in the map or in strip 2
@@ -960,9 +978,11 @@ BokehLine BokehLineSum(BOKEH_TEXTURE tex, float2 uv, int k, BokehPolygon polygon
     if (CoC > 0.0)
     {
         float4 segment = BokehEdgeLine(k, polygon, secondPass);
+        float nearest = BokehNearestOnLine(k, polygon, secondPass);
         if (rays)
         {
             segment = BokehRay(k, polygon, secondPass);
+            nearest = 0.0;
         }
         float lengthInPixels = 2.0 * length(segment.zw) * CoC * settings.imageHeight;
         float samples = BokehSampleCount(lengthInPixels, settings.spacing);
@@ -970,7 +990,14 @@ BokehLine BokehLineSum(BOKEH_TEXTURE tex, float2 uv, int k, BokehPolygon polygon
         float2 scale = float2(CoC / settings.aspectRatio, CoC);
         float2 first = uv + (segment.xy - segment.zw) * scale;
         float2 sampleStep = segment.zw * scale * (2.0 / samples);
+        // sample CoC * inverseCoC + reachesAll is the ratio of both CoC, or 1 for any sample
         float inverseCoC = 1.0 / centerCoC;
+        float reachesAll = 0.0;
+        if (!rays && centerCoC < 0.0)
+        {
+            inverseCoC = 0.0;
+            reachesAll = 1.0;
+        }
         BOKEH_LOOP for (int i = 0; i < BOKEH_NUM_SAMPLES; i++)
         {
             if (BOKEH_SPACING > 0.0 && float(i) >= samples)
@@ -980,25 +1007,19 @@ BokehLine BokehLineSum(BOKEH_TEXTURE tex, float2 uv, int k, BokehPolygon polygon
             float part = clamp(samples - float(i), 0.0, 1.0);
             float4 samplePixel = BokehFetch(tex, first + sampleStep * (float(i) + part *
                 phase) BOKEH_LINEAR);
-            if (rays)
+            float ratio = samplePixel.a * inverseCoC + reachesAll;
+            float2 weights = BokehFarWeight(ratio, samples, i, nearest);
+            if (!rays)
             {
-                float ratio = samplePixel.a * inverseCoC;
-                if (centerCoC < 0.0)
-                {
-                    sum += float4(samplePixel.rgb, 1.0) * (part * BokehNearRayWeight(ratio));
-                }
-                else
-                {
-                    float2 weights = BokehFarRayWeight(ratio, samples, i);
-                    sum += float4(samplePixel.rgb, 1.0) * weights.x;
-                    reached += (samplePixel.r + samplePixel.g + samplePixel.b) * weights.y;
-                }
+                weights *= clamp((abs(ratio) - BOKEH_TUNED_REACH_START) / (BOKEH_TUNED_REACH_FULL -
+                    BOKEH_TUNED_REACH_START), 0.0, 1.0);
             }
-            else
+            else if (centerCoC < 0.0)
             {
-                float weight = part * BokehSignedLeakageWeight(samplePixel.a, centerCoC, settings);
-                sum += float4(samplePixel.rgb, 1.0) * weight;
+                weights = float2(part * BokehNearWeight(ratio), 0.0);
             }
+            sum += float4(samplePixel.rgb, 1.0) * weights.x;
+            reached += (samplePixel.r + samplePixel.g + samplePixel.b) * weights.y;
         }
         if (rays)
         {
@@ -1029,17 +1050,21 @@ BokehLine BokehLineSum(BOKEH_TEXTURE tex, float2 uv, int k, BokehPolygon polygon
 //   is the CoC of this pixel; the factor 1.001 keeps rounding from changing it where all pixels
 //   have the same CoC.
 //   returns       rgb = colour, a = signed CoC
-float4 BokehExactTarget(int k, BokehPolygon polygon, bool rays, BokehLine L1, BokehLine L2,
+float4 BokehExactTarget(int k, BokehPolygon polygon, BokehLine L1, BokehLine L2,
     BokehLine L3, BokehLine L4, float4 centerPixel)
 {
     float4 weights = BokehEdgeWeights(k, polygon);
     float4 sum = L1.sum * weights.x + L2.sum * weights.y + L3.sum * weights.z + L4.sum * weights.w;
     float4 result = BokehResolved(sum, centerPixel);
-    float gathered = sum.r + sum.g + sum.b;
-    if (rays && centerPixel.a > 0.0 && gathered > 0.0)
+    // as much of this pixel as in BokehResolved, and a little more: black must not be divided by 0
+    float missing = max(BOKEH_TUNED_LEAST_WEIGHT - sum.a, 0.0) * (centerPixel.r + centerPixel.g +
+        centerPixel.b) + 0.000001;
+    float gathered = sum.r + sum.g + sum.b + missing;
+    if (centerPixel.a > 0.0)
     {
-        float reached = dot(float4(L1.reached, L2.reached, L3.reached, L4.reached), weights);
-        result = float4(result.rgb, result.a * min(reached / gathered * 1.001, 1.0));
+        float reached = missing + dot(float4(L1.reached, L2.reached, L3.reached, L4.reached),
+            weights);
+        result = float4(result.rgb, result.a * clamp(reached / gathered * 1.001, 0.0, 1.0));
     }
     return result;
 }
@@ -1077,10 +1102,10 @@ BokehTargets BokehExactFirst(BOKEH_TEXTURE MapSamp, float2 uv, int last, BokehPo
         L4 = BokehLineSum(MapSamp, uv, 4, polygon, false, rays, centerPixel, settings BOKEH_LINEAR);
     }
     BokehTargets targets;
-    targets.strip2 = BokehExactTarget(2, polygon, rays, L1, L2, L3, L4, centerPixel);
-    targets.strip3 = BokehExactTarget(3, polygon, rays, L1, L2, L3, L4, centerPixel);
-    targets.strip4 = BokehExactTarget(4, polygon, rays, L1, L2, L3, L4, centerPixel);
-    targets.strip5 = BokehExactTarget(5, polygon, rays, L1, L2, L3, L4, centerPixel);
+    targets.strip2 = BokehExactTarget(2, polygon, L1, L2, L3, L4, centerPixel);
+    targets.strip3 = BokehExactTarget(3, polygon, L1, L2, L3, L4, centerPixel);
+    targets.strip4 = BokehExactTarget(4, polygon, L1, L2, L3, L4, centerPixel);
+    targets.strip5 = BokehExactTarget(5, polygon, L1, L2, L3, L4, centerPixel);
     return targets;
 }
 

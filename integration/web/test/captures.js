@@ -36,7 +36,7 @@ export const base64 = (array) => new Uint8Array(array.buffer, array.byteOffset, 
 // Adds a shot to a capture, { data: the content of capture.json, files: name -> base64 }.
 //   more     further values of the shot
 //   arrays   the pixels of its color, depth and result
-//   written  the pixels of all targets, if the method is layered
+//   written  the pixels of all targets, if they can be read
 export function addShot({ data, files }, { name, method, aperture, rotated }, more, arrays, written) {
   const [width, height] = sizeOf({ method });
   const shot = { name, method, aperture, width, height, ...more };

@@ -15,6 +15,9 @@ const BOKEH_TUNED_RIM_FULL: f32 = 1.5;
 const BOKEH_TUNED_RIM_LIGHT: f32 = 64.0;
 const BOKEH_TUNED_SHARP_WEIGHT: f32 = 0.5;
 const BOKEH_TUNED_DENSE_RATIO: f32 = 0.25;
+const BOKEH_TUNED_REACH_START: f32 = 0.2;
+const BOKEH_TUNED_REACH_FULL: f32 = 0.5;
+const BOKEH_TUNED_LEAST_WEIGHT: f32 = 0.0625;
 alias BokehDepthTexture = texture_2d<f32>;
 alias BokehHalf = f32;
 alias BokehHalf2 = vec2<BokehHalf>;
@@ -274,21 +277,11 @@ samples = clamp(lengthInPixels / spacing, 1.0, f32(BOKEH_NUM_SAMPLES));
 }
 return samples;
 }
-fn BokehSignedLeakageWeight(sampleCoC: f32, centerCoC: f32, settings: BokehSamplingSettings) -> f32
-{
-let scale: f32 = 1.0 / max(settings.bleedingBias, 0.001);
-let rejected: f32 = clamp((centerCoC * scale - 0.5) - abs(sampleCoC) * scale, 0.0, 1.0);
-let weight: f32 = clamp(abs(sampleCoC) * settings.bleedingMult, 0.0, 1.0);
-return 1.0 - rejected * (1.0 - weight * weight);
-}
 fn BokehResolved(sum: vec4f, centerPixel: vec4f) -> vec4f
 {
-var result: vec4f = centerPixel;
-if (sum.a > 0.0)
-{
-result = vec4f(sum.rgb / sum.a, centerPixel.a);
-}
-return result;
+let missing: f32 = max(BOKEH_TUNED_LEAST_WEIGHT - sum.a, 0.0);
+return vec4f((sum.rgb + centerPixel.rgb * missing) / max(sum.a, BOKEH_TUNED_LEAST_WEIGHT),
+centerPixel.a);
 }
 struct BokehPolygon
 {
@@ -409,15 +402,31 @@ let segment: vec4f = vec4f(BokehRotated(middle, polygon.axis), BokehRotated(half
 polygon.axis));
 return segment * vec4f(polygon.squeeze, 1.0, polygon.squeeze, 1.0);
 }
-fn BokehNearRayWeight(ratio: f32) -> f32
+fn BokehNearWeight(ratio: f32) -> f32
 {
 return clamp(max(BOKEH_TUNED_SHARP_WEIGHT + 4.0 * ratio, -ratio), BOKEH_TUNED_SHARP_WEIGHT,
 1.0);
 }
-fn BokehFarRayWeight(ratio: f32, samples: f32, i: i32) -> vec2f
+fn BokehNearestOnLine(k: i32, polygon: BokehPolygon, secondPass: bool) -> f32
+{
+let edges: f32 = 0.5 * f32(polygon.sides);
+var nearest: f32 = 0.5 + 0.69 * (0.5 * edges - f32(k));
+if (secondPass)
+{
+nearest = f32(k) - edges + 1.0;
+}
+if (polygon.sides < 6)
+{
+nearest = 0.5;
+}
+return clamp(nearest, 0.0, 1.0);
+}
+fn BokehFarWeight(ratio: f32, samples: f32, i: i32, nearest: f32) -> vec2f
 {
 let part: f32 = min(abs(ratio), 1.0);
-let reached: f32 = clamp(part * samples - f32(i), 0.0, 1.0);
+let begin: f32 = nearest * (1.0 - part) * samples;
+let end: f32 = begin + part * samples;
+let reached: f32 = clamp(min(end, f32(i) + 1.0) - max(begin, f32(i)), 0.0, 1.0);
 return vec2f(reached / max(part, BOKEH_TUNED_DENSE_RATIO), reached);
 }
 struct BokehLine
@@ -436,9 +445,11 @@ let CoC: f32 = BokehFilterCoC(abs(centerCoC), settings.imageHeight);
 if (CoC > 0.0)
 {
 var segment: vec4f = BokehEdgeLine(k, polygon, secondPass);
+var nearest: f32 = BokehNearestOnLine(k, polygon, secondPass);
 if (rays)
 {
 segment = BokehRay(k, polygon, secondPass);
+nearest = 0.0;
 }
 let lengthInPixels: f32 = 2.0 * length(segment.zw) * CoC * settings.imageHeight;
 let samples: f32 = BokehSampleCount(lengthInPixels, settings.spacing);
@@ -446,7 +457,13 @@ let phase: f32 = 0.5 + settings.jitter * clamp(lengthInPixels / samples - 1.0, 0
 let scale: vec2f = vec2f(CoC / settings.aspectRatio, CoC);
 let first: vec2f = uv + (segment.xy - segment.zw) * scale;
 let sampleStep: vec2f = segment.zw * scale * (2.0 / samples);
-let inverseCoC: f32 = 1.0 / centerCoC;
+var inverseCoC: f32 = 1.0 / centerCoC;
+var reachesAll: f32 = 0.0;
+if (!rays && centerCoC < 0.0)
+{
+inverseCoC = 0.0;
+reachesAll = 1.0;
+}
 for (var i: i32 = 0; i < BOKEH_NUM_SAMPLES; i++)
 {
 if (BOKEH_SPACING > 0.0 && f32(i) >= samples)
@@ -456,26 +473,19 @@ break;
 let part: f32 = clamp(samples - f32(i), 0.0, 1.0);
 let samplePixel: vec4f = BokehFetch(tex, first + sampleStep * (f32(i) + part * phase),
 BokehLinearClamp);
-if (rays)
+let ratio: f32 = samplePixel.a * inverseCoC + reachesAll;
+var weights: vec2f = BokehFarWeight(ratio, samples, i, nearest);
+if (!rays)
 {
-let ratio: f32 = samplePixel.a * inverseCoC;
-if (centerCoC < 0.0)
-{
-sum += vec4f(samplePixel.rgb, 1.0) * (part * BokehNearRayWeight(ratio));
+weights *= clamp((abs(ratio) - BOKEH_TUNED_REACH_START) / (BOKEH_TUNED_REACH_FULL -
+BOKEH_TUNED_REACH_START), 0.0, 1.0);
 }
-else
+else if (centerCoC < 0.0)
 {
-let weights: vec2f = BokehFarRayWeight(ratio, samples, i);
+weights = vec2f(part * BokehNearWeight(ratio), 0.0);
+}
 sum += vec4f(samplePixel.rgb, 1.0) * weights.x;
 reached += (samplePixel.r + samplePixel.g + samplePixel.b) * weights.y;
-}
-}
-else
-{
-let weight: f32 = part * BokehSignedLeakageWeight(samplePixel.a, centerCoC,
-settings);
-sum += vec4f(samplePixel.rgb, 1.0) * weight;
-}
 }
 if (rays)
 {
@@ -497,18 +507,21 @@ result.sum = sum;
 result.reached = reached;
 return result;
 }
-fn BokehExactTarget(k: i32, polygon: BokehPolygon, rays: bool, L1: BokehLine, L2: BokehLine,
+fn BokehExactTarget(k: i32, polygon: BokehPolygon, L1: BokehLine, L2: BokehLine,
 L3: BokehLine, L4: BokehLine, centerPixel: vec4f) -> vec4f
 {
 let weights: vec4f = BokehEdgeWeights(k, polygon);
 let sum: vec4f = L1.sum * weights.x + L2.sum * weights.y + L3.sum * weights.z + L4.sum *
 weights.w;
 var result: vec4f = BokehResolved(sum, centerPixel);
-let gathered: f32 = sum.r + sum.g + sum.b;
-if (rays && centerPixel.a > 0.0 && gathered > 0.0)
+let missing: f32 = max(BOKEH_TUNED_LEAST_WEIGHT - sum.a, 0.0) * (centerPixel.r + centerPixel.g +
+centerPixel.b) + 0.000001;
+let gathered: f32 = sum.r + sum.g + sum.b + missing;
+if (centerPixel.a > 0.0)
 {
-let reached: f32 = dot(vec4f(L1.reached, L2.reached, L3.reached, L4.reached), weights);
-result = vec4f(result.rgb, result.a * min(reached / gathered * 1.001, 1.0));
+let reached: f32 = missing + dot(vec4f(L1.reached, L2.reached, L3.reached, L4.reached),
+weights);
+result = vec4f(result.rgb, result.a * clamp(reached / gathered * 1.001, 0.0, 1.0));
 }
 return result;
 }
@@ -544,10 +557,10 @@ L4 = BokehLineSum(MapSamp, uv, 4, polygon, false, rays, centerPixel, settings,
 BokehLinearClamp);
 }
 var targets: BokehTargets;
-targets.strip2 = BokehExactTarget(2, polygon, rays, L1, L2, L3, L4, centerPixel);
-targets.strip3 = BokehExactTarget(3, polygon, rays, L1, L2, L3, L4, centerPixel);
-targets.strip4 = BokehExactTarget(4, polygon, rays, L1, L2, L3, L4, centerPixel);
-targets.strip5 = BokehExactTarget(5, polygon, rays, L1, L2, L3, L4, centerPixel);
+targets.strip2 = BokehExactTarget(2, polygon, L1, L2, L3, L4, centerPixel);
+targets.strip3 = BokehExactTarget(3, polygon, L1, L2, L3, L4, centerPixel);
+targets.strip4 = BokehExactTarget(4, polygon, L1, L2, L3, L4, centerPixel);
+targets.strip5 = BokehExactTarget(5, polygon, L1, L2, L3, L4, centerPixel);
 return targets;
 }
 fn BokehSquareFirst(MapSamp: texture_2d<f32>, uv: vec2f, polygon: BokehPolygon,

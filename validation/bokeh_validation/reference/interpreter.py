@@ -28,8 +28,8 @@ from bokeh_validation.reference.intervals import Condition, Interval, chosen, pi
 COMPONENTS = {letter: place for letters in ("xyzw", "rgba") for place, letter in enumerate(letters)}
 # functions that read a texture -> the method that does it
 FETCHES = {"BokehFetchTexture": "linear", "BokehFetchTexel": "nearest", "BokehFetchDepth": "depth"}
-# functions with Listing 3's comparisons
-LEAKAGE = ("BokehLeakageWeight", "BokehSignedLeakageWeight")
+# function with Listing 3's comparison
+LEAKAGE = "BokehLeakageWeight"
 # calls to skip: the image fills its textures here, so there is no viewport to set
 SET_UP = ("BokehUseViewport", "BokehSetViewport")
 
@@ -220,7 +220,7 @@ class _Call:
                 no if not (self.here & where.possible).any() else yes if not (self.here & ~where.sure).any() else None
             )
             variables |= only_branch or {name: chosen(where, yes[name], no[name]) for name in variables}
-            if self.name in LEAKAGE and isinstance(variables["weight"], Interval):
+            if self.name == LEAKAGE and isinstance(variables["weight"], Interval):
                 weight = variables["weight"]
                 self.undecided(where.possible & ~where.sure & (weight.low < weight.high)[0])
 

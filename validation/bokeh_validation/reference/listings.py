@@ -99,11 +99,3 @@ def leakage_weight(sample_depth, sample_coc, center_depth, center_coc, bias, mul
     """
     leaks = (sample_depth < center_depth) & (center_coc > sample_coc + bias)
     return np.where(leaks, np.clip(sample_coc * mult, 0.0, 1.0), 1.0)
-
-
-def signed_leakage_weight(sample_coc, center_coc, bias, mult):
-    """Return `BokehSignedLeakageWeight`: the same test from signed CoC alone, faded in around the bias; its weight is
-    squared.
-    """
-    rejected = np.clip((center_coc - np.abs(sample_coc)) / max(bias, LEAST_BIAS) - 0.5, 0.0, 1.0)
-    return 1.0 - rejected + rejected * np.clip(np.abs(sample_coc) * mult, 0.0, 1.0) ** 2

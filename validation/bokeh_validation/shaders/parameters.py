@@ -37,8 +37,8 @@ BLOCK = {
     "BokehBleedingBias": Parameter(
         0.02,
         "height",
-        "[leakage test](../methods/exact.md#the-leakage-test) of paper, naive and exact (except hexagons): a sample "
-        "fails if its CoC is smaller than that of the pixel by more than this value; 2 turns the test off",
+        "[leakage test](../glossary.md#blur) of paper and naive: a sample fails if its CoC is smaller than "
+        "that of the pixel by more than this value; 2 turns the test off",
     ),
     "BokehBleedingMult": Parameter(
         30.0, "1/height", "weight of a sample that fails the leakage test: the CoC of the sample * this number"
