@@ -45,20 +45,23 @@ def load(name: str) -> drivers.Driver:
     return loaded
 
 
-def spread(name: str, values, everywhere=()) -> pytest.MarkDecorator:
+def spread(names: str, values, everywhere=(), nightly_drivers=()) -> pytest.MarkDecorator:
     """Parametrize a test with each value in one language, in turn, and with values of `everywhere` in all three.
 
-    With --all each value runs in every language, and values of `everywhere` on the drivers of NIGHTLY too.
+    names   of the parameters, separated by commas; '': none, the test runs in one language
+    values  of the parameter, or tuples for several of them
+    With --all each value runs in every language and on `nightly_drivers`; values of `everywhere` on all of NIGHTLY.
 
     One language is enough for a value: parity compares the three texts statement by statement, and on 237 targets that
     two drivers drew, all on llvmpipe, results differed by at most half a step.
     """
-    pairs = []
+    parameters, rows = [*filter(None, names.split(",")), "driver"], []
     for index, value in enumerate(values):
-        for driver in (*LANGUAGES, *(NIGHTLY if value in everywhere else ())):
+        for driver in (*LANGUAGES, *(NIGHTLY if value in everywhere else nightly_drivers)):
             by_default = driver == LANGUAGES[index % len(LANGUAGES)] or (value in everywhere and driver in LANGUAGES)
-            pairs.append(pytest.param(value, driver, marks=() if by_default else nightly, id=f"{value}-{driver}"))
-    return pytest.mark.parametrize((name, "driver"), pairs, indirect=["driver"])
+            row = (*(value if len(parameters) != 2 else (value,)), driver)
+            rows.append(pytest.param(*row, marks=() if by_default else nightly, id="-".join(map(str, row))))
+    return pytest.mark.parametrize(parameters, rows, indirect=["driver"])
 
 
 def called(*arguments: object) -> subprocess.CompletedProcess:

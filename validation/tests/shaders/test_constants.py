@@ -49,7 +49,7 @@ def test_values():
     """Check values exactly or nearly: what section [1] configures, functions that no entry calls, and arguments that
     no device can be given.
     """
-    driver, frames = load("osmesa"), coverage_frames.all_frames()
+    driver, frames = load("egl"), coverage_frames.all_frames()
     for label in ("values", "values in a part"):
         (judge,) = judges.judges(label, frames[label], driver.precision, driver.rounding)
         assert not judge.objection(driver)

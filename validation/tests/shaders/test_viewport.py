@@ -3,8 +3,7 @@
 from dataclasses import replace
 
 import numpy as np
-import pytest
-from support import in_each_language, spread
+from support import NIGHTLY, spread
 from support_cases import noise_case
 
 from bokeh_validation import metrics
@@ -102,6 +101,7 @@ def test_nothing_leaks_in(name, driver):
     assert np.isnan(result).all()
 
 
+@spread("", [()], nightly_drivers=NIGHTLY)
 def test_debug_views_and_linear_depth(driver):
     """Compare debug views and linear depth of a part with the same image in a texture of its own size."""
     image = noise_case(VIEWPORT[2:], Settings())
@@ -125,6 +125,7 @@ def test_debug_views_and_linear_depth(driver):
         assert (off <= step + 2 * images.step(np.abs(alone), np.float16)).all()
 
 
+@spread("", [()], nightly_drivers=NIGHTLY)
 def test_a_column(driver):
     """Check an image one pixel wide, which has no room for the inset: it equals the image alone if its surroundings
     are finite.
@@ -141,8 +142,7 @@ def test_a_column(driver):
     assert off.max() <= 2 * (8 * 8 * 2.0**-24 + (0.0 if driver.software else 2.0**-8) + 2.0**-11)
 
 
-@pytest.mark.parametrize("name", ["ViewportX", "ViewportY", "TextureWidth", "TextureHeight"])
-@in_each_language
+@spread("name", ["ViewportX", "ViewportY", "TextureWidth", "TextureHeight"])
 def test_parameters_out_of_range(name, driver):
     """Check that results are finite and not negative for invalid viewports, also from bad colour."""
     image = noise_case(SIZE, Settings())
