@@ -3,9 +3,11 @@
 import os
 import subprocess
 import sys
+import time
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager, redirect_stderr, redirect_stdout
+from contextlib import contextmanager, redirect_stderr, redirect_stdout, suppress
 from io import StringIO
+from pathlib import Path
 from unittest.mock import patch
 
 import pytest
@@ -22,7 +24,21 @@ LANGUAGES = ("egl", "wgpu", "dxc")
 NIGHTLY = ("d3d9", "webgl2")
 nightly = pytest.mark.nightly
 DRIVERS = [*LANGUAGES, *(pytest.param(name, marks=nightly) for name in NIGHTLY)]
+# Seconds after which a test gives up on a program that hangs: minutes, since no test requires a speed
+HANG = 300.0
 in_each_language = pytest.mark.parametrize("driver", LANGUAGES, indirect=True)
+
+
+def assert_ended(file: str, text: str, lock: str = "") -> None:
+    """Wait until no process has the text in this file of /proc (environ, cmdline), and the lock is no more."""
+    end, left = time.monotonic() + HANG, [text]
+    while left and time.monotonic() < end:
+        time.sleep(0.1)
+        left = list(Path("/").glob(lock)) if lock else []
+        for process in Path("/proc").glob(f"[0-9]*/{file}"):
+            with suppress(OSError):  # it has ended meanwhile
+                left += [process] * (text.encode() in process.read_bytes())
+    assert not left
 
 
 @contextmanager

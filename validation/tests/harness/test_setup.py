@@ -15,6 +15,7 @@ from contextlib import suppress
 from pathlib import Path
 
 import pytest
+from support import HANG
 
 from bokeh_validation import cli, needs, paths, setup
 
@@ -170,7 +171,7 @@ def test_interrupted(number, tmp_path):
         while process.poll() is None and not has_open(process.pid, Path(lock.name)):
             time.sleep(0.02)
         process.send_signal(number)
-        assert process.communicate(timeout=20)[1] == "error: stopped\n" and process.returncode == 130
+        assert process.communicate(timeout=HANG)[1] == "error: stopped\n" and process.returncode == 130
 
 
 def test_folder_that_cannot_be_written():
