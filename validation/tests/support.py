@@ -3,9 +3,11 @@
 import os
 import subprocess
 import sys
+import time
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager, redirect_stderr, redirect_stdout
+from contextlib import contextmanager, redirect_stderr, redirect_stdout, suppress
 from io import StringIO
+from pathlib import Path
 from unittest.mock import patch
 
 import pytest
@@ -22,7 +24,21 @@ LANGUAGES = ("egl", "wgpu", "dxc")
 NIGHTLY = ("d3d9", "webgl2")
 nightly = pytest.mark.nightly
 DRIVERS = [*LANGUAGES, *(pytest.param(name, marks=nightly) for name in NIGHTLY)]
+# Seconds after which a test gives up on a program that hangs: minutes, since no test requires a speed
+HANG = 300.0
 in_each_language = pytest.mark.parametrize("driver", LANGUAGES, indirect=True)
+
+
+def assert_ended(file: str, text: str, lock: str = "") -> None:
+    """Wait until no process has the text in this file of /proc (environ, cmdline), and the lock is no more."""
+    end, left = time.monotonic() + HANG, [text]
+    while left and time.monotonic() < end:
+        time.sleep(0.1)
+        left = list(Path("/").glob(lock)) if lock else []
+        for process in Path("/proc").glob(f"[0-9]*/{file}"):
+            with suppress(OSError):  # it has ended meanwhile
+                left += [process] * (text.encode() in process.read_bytes())
+    assert not left
 
 
 @contextmanager
@@ -45,20 +61,23 @@ def load(name: str) -> drivers.Driver:
     return loaded
 
 
-def spread(name: str, values, everywhere=()) -> pytest.MarkDecorator:
+def spread(names: str, values, everywhere=(), nightly_drivers=()) -> pytest.MarkDecorator:
     """Parametrize a test with each value in one language, in turn, and with values of `everywhere` in all three.
 
-    With --all each value runs in every language, and values of `everywhere` on the drivers of NIGHTLY too.
+    names   of the parameters, separated by commas; '': none, the test runs in one language
+    values  of the parameter, or tuples for several of them
+    With --all each value runs in every language and on `nightly_drivers`; values of `everywhere` on all of NIGHTLY.
 
     One language is enough for a value: parity compares the three texts statement by statement, and on 237 targets that
     two drivers drew, all on llvmpipe, results differed by at most half a step.
     """
-    pairs = []
+    parameters, rows = [*filter(None, names.split(",")), "driver"], []
     for index, value in enumerate(values):
-        for driver in (*LANGUAGES, *(NIGHTLY if value in everywhere else ())):
+        for driver in (*LANGUAGES, *(NIGHTLY if value in everywhere else nightly_drivers)):
             by_default = driver == LANGUAGES[index % len(LANGUAGES)] or (value in everywhere and driver in LANGUAGES)
-            pairs.append(pytest.param(value, driver, marks=() if by_default else nightly, id=f"{value}-{driver}"))
-    return pytest.mark.parametrize((name, "driver"), pairs, indirect=["driver"])
+            row = (*(value if len(parameters) != 2 else (value,)), driver)
+            rows.append(pytest.param(*row, marks=() if by_default else nightly, id="-".join(map(str, row))))
+    return pytest.mark.parametrize(parameters, rows, indirect=["driver"])
 
 
 def called(*arguments: object) -> subprocess.CompletedProcess:

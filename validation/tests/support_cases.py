@@ -88,4 +88,4 @@ def evaluated(body: str, **values: object) -> np.ndarray:
     """Run GLSL statements that write BokehResult, with the library's functions; returns RGBA. `values` are defines."""
     library = re.sub(r"\bvoid main\(\)", "void unused()", shaders.glsl("BokehConstantCoC", "330", values))
     render_pass = Pass("BokehConstantCoC", {}, "value", sources={"glsl": f"{library}void main()\n{{\n{body}\n}}\n"})
-    return load("osmesa").run([render_pass], {}, (8, 8), "float", keep=("value",))["value"][0, 0]
+    return load("egl").run([render_pass], {}, (8, 8), "float", keep=("value",))["value"][0, 0]

@@ -18,6 +18,8 @@ COVERAGE = "coverage"
 PART = "part"
 # Drawn as an image inside textures of NaN: test_viewport.py
 VIEWPORT = "viewport"
+# The lens's character and the focus controls, drawn on every driver: test_within.py
+LENS = "lens"
 # Given colour and depth that no renderer should supply: test_invalid_input.py
 BAD_INPUT = "bad input"
 # Compared pass by pass with images in the repository: test_expected.py
@@ -90,7 +92,7 @@ CASES = (
         **ADAPTIVE,
     ),
     _named("exact, preset", [ENTRIES, VIEWPORT, BAD_INPUT], EXACT, samples=None),
-    _named("lateral", [ENTRIES, PART, VIEWPORT, JSON], EXACT, lateral=0.02),
+    _named("lateral", [ENTRIES, PART, VIEWPORT, JSON, LENS], EXACT, lateral=0.02),
     # wide settings first: the passes that blur a layer run only if there is one
     _named("layered square", [ENTRIES, VIEWPORT], LAYERED, aperture="square", **WIDE),
     _named("layered hexagon", [ENTRIES, PART, VIEWPORT, BAD_INPUT], LAYERED, **WIDE),
@@ -106,11 +108,11 @@ CASES = (
         **WIDE,
     ),
     _named("naive, many", [COVERAGE], PAPER, method="naive", aperture="square", samples=12),
-    _named("exact square, cut", [COVERAGE], EXACT, aperture="square", **CUT, **ADAPTIVE),
-    _named("exact hexagon, cut", [COVERAGE, VIEWPORT], EXACT, **CUT, **ADAPTIVE),
-    _named("exact octagon, cut", [COVERAGE, JSON], EXACT, aperture="octagon", **CUT, **ADAPTIVE),
-    _named("exact decagon, cut", [COVERAGE], EXACT, aperture="decagon", **CUT, **ADAPTIVE),
-    _named("exact, focus", [COVERAGE], EXACT, focus=FOCUS),
+    _named("exact square, cut", [COVERAGE, LENS], EXACT, aperture="square", **CUT, **ADAPTIVE),
+    _named("exact hexagon, cut", [COVERAGE, VIEWPORT, LENS], EXACT, **CUT, **ADAPTIVE),
+    _named("exact octagon, cut", [COVERAGE, JSON, LENS], EXACT, aperture="octagon", **CUT, **ADAPTIVE),
+    _named("exact decagon, cut", [COVERAGE, LENS], EXACT, aperture="decagon", **CUT, **ADAPTIVE),
+    _named("exact, focus", [COVERAGE, LENS], EXACT, focus=FOCUS),
     _named("exact octagon, cut too far", [COVERAGE], EXACT, aperture="octagon", cats_eye=5.0, roundness=-1.0),
     _named("exact decagon, cut, one target", [COVERAGE], EXACT, aperture="decagon", use_mrt=False, **CUT, **ADAPTIVE),
     _named("lateral, too much", [COVERAGE], EXACT, lateral=5.0),
@@ -299,4 +301,38 @@ SWEEPS = {
     ),
     "lateral colour, layered": [Settings("layered", "hexagon", 7, camera=CAMERA, lateral=0.03)],
     "full layers": _settings_of(Settings("layered", "hexagon", 7, camera=FULL), FULL_LAYERS),
+}
+
+
+# ----------------------------------------------------------------------------------------------------------------------
+# an image inside larger textures: test_viewport.py
+# ----------------------------------------------------------------------------------------------------------------------
+
+IN_VIEWPORT = Camera(0.12, 0.05, 4.0, max_coc=0.3)
+# Size of the textures, and the rectangle: off-centre and with another aspect ratio, so that a wrong corner, size or row
+# order shows
+SIZE, RECTANGLE = (90, 74), (24, 8, 48, 37)
+WIDE_EXACT = Settings("exact", "hexagon", camera=replace(IN_VIEWPORT, max_coc=1.0))
+IN_RECTANGLE = tagged(VIEWPORT, IN_VIEWPORT)
+# Name -> settings, size of the textures, and the image's rectangle in them
+VIEWPORTS = {
+    **{name: (settings, SIZE, RECTANGLE) for name, settings in IN_RECTANGLE.items()},
+    # The whole texture, a corner, and each polygon, so that every entry of layered draws into one. The smallest is
+    # more than 8 pixels wide and high, because a target of one eighth that is one texel wide has no room for the inset
+    **{
+        name: (replace(IN_RECTANGLE["layered hexagon"], **changes), SIZE, rectangle)
+        for name, changes, rectangle in (
+            ("layered, whole", {}, (0, 0, 90, 74)),
+            ("layered square, a corner", {"aperture": "square"}, (8, 24, 40, 30)),
+            ("layered octagon, last corner", {"aperture": "octagon", "use_mrt": False}, (40, 16, 50, 58)),
+            ("layered decagon, smallest", {"aperture": "decagon"}, (72, 56, 11, 9)),
+        )
+    },
+    # The smallest image, the whole texture, its last corner, and positions far from uv 0, where float32 is coarsest
+    "smallest": (WIDE_EXACT, (9, 7), (3, 2, 2, 2)),
+    "whole": (WIDE_EXACT, (9, 7), (0, 0, 9, 7)),
+    "last corner": (WIDE_EXACT, (9, 7), (8 - 3, 7 - 5, 3, 5)),
+    "far right": (WIDE_EXACT, (4096, 5), (4096 - 40, 1, 33, 3)),
+    "far down": (WIDE_EXACT, (5, 4096), (1, 4096 - 40, 3, 33)),
+    "farthest": (WIDE_EXACT, (8192, 4), (8192 - 33, 0, 33, 3)),
 }

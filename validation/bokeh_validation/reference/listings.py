@@ -5,8 +5,6 @@ import numpy as np
 MAX_COLOR = 65504.0
 MIN_DEPTH = float(np.float32(1e-6))
 MAX_DEPTH = 1e9
-# Minimum leakage bias for a signed CoC, which allows for the rounding of half floats and filters
-LEAST_BIAS = 0.001
 
 
 def circle_of_confusion(depth, aperture_diameter, focal_length, focus_distance, sensor_height, max_coc):
@@ -81,16 +79,6 @@ def stored_depth(metres: np.ndarray, kind: int, near: float, far: float) -> np.n
         7: lambda: metres / far,
         8: lambda: np.log1p(metres) / np.log1p(far),
     }[kind]()
-
-
-def weighted_depth(stored: np.ndarray) -> np.ndarray:
-    """Convert depth of the kind WEIGHTED to metres, made safe by safe_depth(); less than half opaque is the sky.
-
-    stored  (..., 2): metres times opacity, and opacity
-    """
-    opaque_enough = stored[..., 1] >= 0.5
-    metres = stored[..., 0] / np.where(opaque_enough, stored[..., 1], 1.0)
-    return safe_depth(np.where(opaque_enough, metres, MAX_DEPTH))
 
 
 def leakage_weight(sample_depth, sample_coc, center_depth, center_coc, bias, mult):

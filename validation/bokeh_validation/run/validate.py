@@ -158,8 +158,8 @@ def everything(full: bool, adapter: str | None, samples: Sequence[str]) -> Every
     chosen_probes = [probe for probe in probes.PROBES if full or probe.brief]
     variants = dict.fromkeys(program.variant for program in load()) if full else BRIEF_VARIANTS
     tests = {
-        "probes": [session.probe(probe.name, name) for probe in chosen_probes for name in names],
         "engines": [session.sample(name) for name in samples],
+        "probes": [session.probe(probe.name, name) for probe in chosen_probes for name in names],
         "compilation": [session.variant(name) for name in variants],
         "market": [session.MARKET],
     }

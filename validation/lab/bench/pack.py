@@ -22,8 +22,8 @@ NEEDED = r"(?m)^(?:cffi|pycparser|wgpu)==.*\n(?: +--hash.*\n)+"
 MACOS = "--hash=sha256:3dc76bc29f300ee6b9a4f408748099f70f8472ca59fe70cca42dfa1f2f1bfe3f"
 MACOS = f'rubicon-objc==0.5.7 ; sys_platform == "darwin" {MACOS}\n'
 PYTHONS = ("3.11", "3.12", "3.13", "3.14")
-PIP = "pip download -q --retries 1 --timeout 20 --no-deps --only-binary :all: --implementation cp".split()
-PIP += ["--platform", "manylinux_2_28_x86_64", "--platform", "manylinux_2_17_x86_64"]
+PIP = "pip download -q --require-hashes --retries 1 --timeout 20 --no-deps --only-binary :all:".split()
+PIP += ["--implementation", "cp", "--platform", "manylinux_2_28_x86_64", "--platform", "manylinux_2_17_x86_64"]
 LOADER = Path("/usr/lib/x86_64-linux-gnu/libvulkan.so.1")  # containers with NVIDIA's driver often lack it
 
 

@@ -14,7 +14,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from support import called, load
+from support import HANG, called, load
 
 from bokeh_validation import paths, plan
 from bokeh_validation.frame import methods
@@ -79,7 +79,7 @@ def test_interrupted():
         time.sleep(0.02)
     time.sleep(0.5)
     process.send_signal(signal.SIGINT)
-    assert process.communicate(timeout=20) == ("", "error: stopped\n") and process.returncode == 130
+    assert process.communicate(timeout=HANG) == ("", "error: stopped\n") and process.returncode == 130
 
 
 def rows(**slower: float) -> list[dict]:

@@ -17,10 +17,10 @@ CAMERA = Camera(0.15, 0.05, 3.0, 0.024, 1.0)
 SIZE = (160, 120)
 
 
-@pytest.fixture(scope="module", params=["egl", "osmesa"])
-def rasteriser(request) -> Rasteriser:
-    """Return a rasteriser on each driver."""
-    return Rasteriser(SIZE, 512, load(request.param))
+@pytest.fixture(scope="module")
+def rasteriser() -> Rasteriser:
+    """Return a rasteriser."""
+    return Rasteriser(SIZE, 512, load("egl"))
 
 
 def light(distance: float, pixels: float, x: float = 0.0) -> Thing:

@@ -5,6 +5,7 @@ printed.json state their origin in `source`. `validation/run generate` writes th
 README's table with docs/data.
 """
 
+import csv
 import json
 import re
 from statistics import mean
@@ -103,3 +104,60 @@ def test_a_changed_digit_is_found():
     regions = dict(generate.rendered())["docs/results-data.md"]
     assert generate.replaced("page", text, regions) == text
     assert generate.replaced("page", text.replace(first, "0.9999", 1), regions) == text
+
+
+# Numbers of prose that no file of docs/data has
+WINTER = "winter_3 is measured by hand; its image is not in the repository's data"
+VERSION_2 = "measured with version 0.2"
+VERSIONS = "versions of three.js"
+EXCEPTIONS = {
+    "README.md": {},
+    "docs/results.md": {
+        **dict.fromkeys(("0.172", "0.181", "0.233", "0.331", "0.994"), WINTER),
+        **dict.fromkeys(("0.1390", "0.2671", "0.0415"), VERSION_2),
+    },
+    "CHANGELOG.md": {"0.172": VERSIONS, "0.187": VERSIONS, "0.0001": "a bound"},
+}
+# A row of CHANGELOG.md: method, scene, FLIP of version 0.2 and of this one
+CHANGED = re.compile(r"^\| `(\w+)`(.*?) \| ([\w ]+) \| (\d\.\d{3}) \| (\d\.\d{3}) \|$", re.MULTILINE)
+
+
+def numbers() -> list[float]:
+    """Return the measured numbers of docs/data, times excepted, and the means over the five scenes."""
+    with open(paths.ROOT / results.CSV, encoding="utf-8", newline="") as file:
+        listed = [float(row["value"]) for row in csv.DictReader(file) if not row["table"].startswith("times")]
+    rows = results.ray_traced().values()
+    return [
+        *listed,
+        *(row[key] for scenes in rows for row in scenes.values() for key in results.MEASURES),
+        *(mean(scenes[name][key] for name in results.SCENES) for scenes in rows for key in results.MEASURES),
+    ]
+
+
+@pytest.mark.parametrize("name", EXCEPTIONS)
+def test_prose(name):
+    """Check that each number with three or four decimal places outside generated tables is in docs/data, rounded.
+
+    It need not be the number that the sentence is about: of all numbers below 1, docs/data has a third of those with
+    three places, and a twentieth of those with four.
+    """
+    text = (paths.ROOT / name).read_text(encoding="utf-8")
+    text = CHANGED.sub("", re.sub(r"(?s)<!-- generated .*?begin -->.*?end -->", "", text))
+    found = re.findall(r"(?<![\d.])\d\.\d{3,4}(?!\d|\.\d)", text)
+    recorded = {f"{value:.{digits}f}" for value in numbers() for digits in (3, 4)}
+    assert found and [one for one in found if one not in recorded and one not in EXCEPTIONS[name]] == []
+
+
+def test_changelog():
+    """Compare this version's FLIP in CHANGELOG.md with docs/data, rounded."""
+    text = (paths.ROOT / "CHANGELOG.md").read_text(encoding="utf-8")
+    recorded = {
+        (label, scene): row["flip"] for label, rows in results.ray_traced().items() for scene, row in rows.items()
+    }
+    random = {
+        label: float(flip)
+        for label, flip, *_ in data("printed")["tables"]["results-data.md"]["random scenes, FLIP"][1:]
+    }
+    recorded |= {(label, "random scenes"): flip for label, flip in random.items()}
+    rows = {(f"{method}{preset.lower()}", scene): flip for method, preset, scene, _, flip in CHANGED.findall(text)}
+    assert len(rows) == 12 and rows == {key: f"{recorded[key]:.3f}" for key in rows}

@@ -144,7 +144,7 @@ def on_opengl(vertex: Block, *blocks: Block) -> dict[str, bytes]:
 
     Returns target -> its bytes.
     """
-    driver = load("osmesa")
+    driver = load("egl")
     driver.make_current()
     context = driver.context
     live = {name: driver.texture(Image.of(name, pixels)) for name, pixels in scene().items()}
@@ -283,7 +283,7 @@ def on_direct3d_9(*blocks: Block) -> dict[str, bytes]:
 
 
 RUNS = {
-    "GLSL 3.30, README": ("osmesa", lambda: on_opengl(*document_blocks(README, "glsl"))),
+    "GLSL 3.30, README": ("egl", lambda: on_opengl(*document_blocks(README, "glsl"))),
     "WGSL": ("wgpu", lambda: on_webgpu("wgpu", wgsl_stages, *header_blocks("wgsl"))),
     "HLSL, shader model 3": ("d3d9", lambda: on_direct3d_9(*model_3_blocks())),
     "HLSL, shader model 5": ("dxc", lambda: on_webgpu("dxc", hlsl_stages, *header_blocks("hlsl"))),

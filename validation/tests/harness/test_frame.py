@@ -105,7 +105,7 @@ def test_an_engine_runs_from_the_json(name):
     planned = json.loads(json.dumps(frame.frame(settings, SIZE, window), allow_nan=False))
     plan = methods.plan(settings, window[2:] if window else SIZE)
     plan = methods.in_viewport(plan, window, SIZE) if window else plan
-    driver, inputs = load("osmesa"), picture(SIZE)
+    driver, inputs = load("egl"), picture(SIZE)
     expected = driver.run(plan.passes, {**inputs, **plan.tables}, SIZE)["result"]
     # for methods without presets: a define that nothing reads
     planned["preset"] = planned["preset"] or {"define": "BOKEH_PRESET_NONE"}
@@ -127,7 +127,7 @@ def test_another_preset_from_the_json(name, preset):
     file = json.loads((paths.ROOT / f"integration/frames/{name}.json").read_text(encoding="utf-8"))
     other = {"plan": json.loads(json.dumps(file))}
     exec(CHOOSE_HIGH.replace('"high"', f'"{preset}"'), other)
-    driver, inputs = load("osmesa"), picture(SIZE)
+    driver, inputs = load("egl"), picture(SIZE)
     settings = methods.Settings(method, aperture, camera=CAMERA, preset=preset)
     passes, camera = methods.plan(settings, SIZE).passes, frame.frame(settings, SIZE)["parameters"]
     expected = driver.run(passes, inputs, SIZE)["result"]

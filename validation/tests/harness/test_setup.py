@@ -15,6 +15,7 @@ from contextlib import suppress
 from pathlib import Path
 
 import pytest
+from support import HANG
 
 from bokeh_validation import cli, needs, paths, setup
 
@@ -55,12 +56,59 @@ def test_entry_point():
     assert getattr(sys.modules[module], function) is cli.main
 
 
-def test_contributing():
-    """Compare the sizes in CONTRIBUTING.md with the sums of the table's rows for each command."""
-    rows = re.findall(r"^\| `validation/run ?([^`]*)` \|.*?\| (.*) \|$", CONTRIBUTING, re.MULTILINE)
-    told = {words: re.search(r"(\d+) MB", said) for words, said in rows}
-    for words in ("parity", "check", "", "--full"):
-        assert int(told[words][1]) == sum(needs.NEEDS[name].megabytes for name in needs.of(words.split())), words
+def test_documents():
+    """Compare CONTRIBUTING.md's downloads of every command with the sums of the table's rows, and what they are said to
+    come with; check that an apt-get line of a guide installs packages of one row.
+    """
+    rows = re.findall(r"^\| `validation/(run|test) ?(.*?)` \|.*\| (\d+) MB(.*?) \|$", CONTRIBUTING, re.MULTILINE)
+    rows += re.findall(r"^\| `validation/(run) (generate)` \|.* (\d+) MB()", CONTRIBUTING, re.MULTILINE)
+    assert {f"{script} {words}".strip() for script, words, *_ in rows} == {
+        *("run", "run parity", "run generate", "run check", "run --full", "test")
+    }
+    for script, words, size, said in rows:
+        names = needs.COMMANDS["test"] if script == "test" else needs.of(words.split())
+        assert int(size) == sum(needs.NEEDS[name].megabytes for name in names), (script, words)
+        described = str({name: needs.NEEDS[name] for name in (*names, "cargo")}).lower()
+        assert all(word.lower() in described for word in re.findall(r"[A-ZÖ]\w\w+|npm|cargo", said)), said
+    guides = [*paths.ROOT.glob("integration/**/README.md"), *paths.ROOT.glob("docs/**/*.md")]
+    text = "\n".join(path.read_text(encoding="utf-8") for path in guides)
+    lines = re.findall(r"`apt-get install -y ([^`]*)`|^apt-get install -y (.*)$", text, re.MULTILINE)
+    assert len(lines) >= 5
+    for line in lines:
+        assert any(set("".join(line).split()) <= set(need.packages) for need in needs.NEEDS.values()), line
+
+
+# Need -> ends of paths of files that its packages bring and that the code opens or runs (pkg-config only depends on
+# another package)
+FILES = {
+    "opengl": "libOSMesa.so.8 dri/swrast_dri.so libEGL.so.1 libGL.so.1",
+    "vulkan": "libvulkan_lvp.so libvulkan.so.1 libatomic.so.1",
+    "spirv-cross": "bin/spirv-cross",
+    "wine": "bin/wine-stable wine/wine64 bin/x86_64-w64-mingw32-g++-posix bin/xvfb-run bin/xauth",
+    "chromium": "bin/chromium",
+    "npm": "bin/npm",
+    "mono": "bin/mcs",
+    "love": "bin/love-11.4",
+    "java": "jvm/default-java java/ivy.jar",
+    "ogre": "bin/g++ doc/pkg-config pkgconfig/OGRE.pc",
+    "vulkan-sdk": "bin/g++ vulkan/vulkan.h bin/glslangValidator VkLayer_khronos_validation.json",
+    "reshade": "implicit_layer.d/vkBasalt.json bin/vkcube bin/xvfb-run bin/xauth libvulkan_lvp.so",
+    "glslang": "bin/glslangValidator bin/spirv-val",
+    "window": "bin/xvfb-run bin/xauth libGL.so.1 dri/swrast_dri.so",
+}
+
+
+@pytest.mark.parametrize("name", FILES)
+def test_packages_bring_what_is_used(name):
+    """Check that a need's packages have its files, so that taking one out of the table is noticed even on a machine
+    where it is installed.
+    """
+    assert set(FILES) == {name for name, need in needs.NEEDS.items() if need.packages}
+    listed = subprocess.run(["dpkg-query", "-L", *needs.NEEDS[name].packages], capture_output=True, text=True)
+    if listed.returncode or setup._release().get("VERSION_CODENAME") != "bookworm":
+        pytest.skip("not all of its packages are installed here, or not as on Debian 12")
+    for file in FILES[name].split():
+        assert any(line.endswith(f"/{file}") for line in listed.stdout.splitlines()), file
 
 
 def test_of():
@@ -77,15 +125,23 @@ def test_install():
     assert "validation[web]" in needs.install("web")
 
 
+def texts(node: ast.AST) -> set[str]:
+    """Return the strings in a piece of code."""
+    constants = (one.value for one in ast.walk(node) if isinstance(one, ast.Constant))
+    return {text for text in constants if isinstance(text, str)}
+
+
 def test_messages_come_from_the_table():
-    """Check that no other module spells out an apt-get command."""
-    for folder in ("bokeh_validation", "lab"):
-        for file in (paths.VALIDATION / folder).rglob("*.py"):
-            texts = (
-                node.value for node in ast.walk(ast.parse(file.read_text("utf-8"))) if isinstance(node, ast.Constant)
-            )
-            found = [text for text in texts if isinstance(text, str) and "apt-get install" in text]
+    """Check that no other module spells out an apt-get command, and that pip is never called without hashes."""
+    for folder in ("bokeh_validation", "engines", "lab"):
+        for file in (file for file in (paths.VALIDATION / folder).rglob("*.py") if "tests" not in file.parts):
+            module = ast.parse(file.read_text("utf-8"))
+            found = [text for text in texts(module) if "apt-get install" in text]
             assert not found or file.name in ("needs.py", "setup.py"), file
+            assert all("--require-hashes" in text for text in texts(module) if text.startswith("pip ")), file
+            for function in (node for node in ast.walk(module) if isinstance(node, ast.FunctionDef)):
+                if "pip" in texts(function) and texts(function) & {"install", "download"}:
+                    assert "--require-hashes" in texts(function), (file, function.name)
 
 
 def test_core_imports_nothing_of_one_system():
@@ -170,7 +226,7 @@ def test_interrupted(number, tmp_path):
         while process.poll() is None and not has_open(process.pid, Path(lock.name)):
             time.sleep(0.02)
         process.send_signal(number)
-        assert process.communicate(timeout=20)[1] == "error: stopped\n" and process.returncode == 130
+        assert process.communicate(timeout=HANG)[1] == "error: stopped\n" and process.returncode == 130
 
 
 def test_folder_that_cannot_be_written():

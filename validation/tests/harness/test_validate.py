@@ -11,6 +11,7 @@ from pathlib import Path
 
 import pytest
 import typer
+from support import HANG
 
 from bokeh_validation import paths, probes
 from bokeh_validation.compile_matrix import Compilation
@@ -116,4 +117,4 @@ def test_interrupted():
     while process.poll() is None and sum(map(has_worked, children.read_text().split())) < 2:
         time.sleep(0.1)
     process.send_signal(signal.SIGTERM)
-    assert process.communicate(timeout=120)[1] == "error: stopped\n" and process.returncode == 130
+    assert process.communicate(timeout=HANG)[1] == "error: stopped\n" and process.returncode == 130

@@ -10,7 +10,7 @@ import os
 import numpy as np
 import pytest
 from invalid_input import COLOR, DEPTH, sprinkled
-from support import load
+from support import LANGUAGES, load
 
 from bokeh_validation.frame import aperture_shapes, methods
 from bokeh_validation.frame.methods import Camera, Settings
@@ -21,7 +21,6 @@ from bokeh_validation.reference.listings import MAX_COLOR
 SEED = int(os.environ.get("BOKEH_FUZZ_SEED", "2012"))
 # Number of cases of each method for each driver
 CASES = {"paper": 90, "exact": 95, "naive": 30, "naive-grid": 35}
-DRIVERS = ("osmesa", "wgpu", "dxc")
 # Each sample count needs another program for each entry, so there are few: one even, the others odd
 SAMPLES = {"paper": (2, 3, 7, 13), "exact": (2, 7), "naive": (2, 7), "naive-grid": (2, 3, 7)}
 APERTURES = {
@@ -83,14 +82,14 @@ def draw(method: str, seed: int) -> Case:
     return Case(f"seed {seed}", settings, color, depth, ("coc", "result"))
 
 
-@pytest.mark.parametrize("name", DRIVERS)
+@pytest.mark.parametrize("name", LANGUAGES)
 @pytest.mark.parametrize("method", CASES)
 def test_random_cases(method, name, request):
     """Check random cases: the result, and the CoC map, whose colour is the input's."""
     driver, blurred, narrow = load(name), [], []
     step = 1 if request.config.getoption("--all") else 3
     for index in range(0, CASES[method], step):
-        case = draw(method, SEED + 10_000 * DRIVERS.index(name) + index)
+        case = draw(method, SEED + 10_000 * LANGUAGES.index(name) + index)
         found = compared(case, driver)
         for target, pixels in found.outputs.items():
             # the CoC of exact is signed

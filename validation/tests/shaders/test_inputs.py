@@ -4,7 +4,7 @@ documented CoC.
 
 import numpy as np
 import pytest
-from support import in_each_language, load, spread
+from support import NIGHTLY, load, spread
 from support_cases import CAMERA, noise_case
 
 from bokeh_validation.frame import methods
@@ -60,14 +60,14 @@ def coc_map(driver, camera: methods.Camera, values, entry: str = "BokehCoCMap") 
 
 # metres and clip depth are not stored in fixed-point formats
 CASES = [
-    pytest.param(kind, name, id=f"{kind_name}, {name}")
-    for kind_name, kind in listings.DEPTH_KINDS.items()
+    (kind, name)
+    for kind in listings.DEPTH_KINDS.values()
     for name in FORMATS
     if name == "32 bit float" or kind not in (0, 4)
 ]
 
 
-@pytest.mark.parametrize(("kind", "name"), CASES)
+@spread("kind,name", CASES, nightly_drivers=NIGHTLY)
 def test_same_depth_from_every_convention(kind, name, driver):
     """Check that depth is off by no more than the format's step times the formula's slope, plus float32's roundings."""
     steps = FORMATS[name]
@@ -86,6 +86,7 @@ def test_same_depth_from_every_convention(kind, name, driver):
     assert (allowed <= 0.016 * METRES).all()
 
 
+@spread("", [()], nightly_drivers=NIGHTLY)
 def test_ends_of_the_range(driver):
     """Check near plane, far plane and infinity, exactly at the ends of a buffer's range."""
     for kind, *ends in ((1, 0.0, 1.0), (2, 1.0, 0.0), (4, -1.0, 1.0), (5, 0.0, 1.0), (6, 1.0, 0.0)):
@@ -96,6 +97,7 @@ def test_ends_of_the_range(driver):
         np.testing.assert_allclose(linearised(driver, [[1.0]], kind), FAR, rtol=LOGARITHM_ROUNDINGS * (FAR + 1.0) / FAR)
 
 
+@spread("", [()], nightly_drivers=NIGHTLY)
 def test_depth_weighted_by_opacity(driver):
     """Check metres of surfaces that were blended over each other with their opacity, as docs/inputs.md tells it.
 
@@ -119,7 +121,7 @@ def test_depth_weighted_by_opacity(driver):
 BAD = np.array([[np.nan, np.inf, -np.inf, -1e30, -2.0, 1e30, 1e9, 0.0, 1.0]], np.float32)
 
 
-@pytest.mark.parametrize("kind", listings.DEPTH_KINDS.values(), ids=listings.DEPTH_KINDS)
+@spread("kind", listings.DEPTH_KINDS.values(), nightly_drivers=NIGHTLY)
 def test_bad_depth_of_every_convention(kind, driver):
     """Check that any number goes through its formula, and the result is treated like metres in docs/inputs.md.
 
@@ -182,8 +184,7 @@ def test_cameras(name, driver):
 FOCUS = methods.Camera(0.0625, 0.0625, 4.0, sensor_height=0.03125, max_coc=0.25)
 
 
-@pytest.mark.parametrize("scale", [(1.0, 1.0), (0.0, 1.0), (1.0, 0.0), (0.5, 2.0)], ids=str)
-@in_each_language
+@spread("scale", [(1.0, 1.0), (0.0, 1.0), (1.0, 0.0), (0.5, 2.0)])
 def test_focus_controls(scale, driver):
     """Check the focus controls: sharp from 3.5 to 5 m; outside, the CoC of a lens focused at the end of the range.
 
@@ -206,8 +207,7 @@ def test_focus_controls(scale, driver):
     np.testing.assert_allclose(actual[..., 3], expected, rtol=ROUNDINGS, atol=2.0**-24)
 
 
-@pytest.mark.parametrize("kind", [5, 6])
-@in_each_language
+@spread("kind", [5, 6])
 def test_orthographic_camera_with_a_near_plane_below_zero(kind, driver):
     """Check the recipe of docs/inputs.md: adding a constant to the planes and the focus moves the camera, but no
     surface.

@@ -3,11 +3,11 @@ it can reach.
 """
 
 from dataclasses import replace
+from itertools import product
 
 import numpy as np
-import pytest
 from invalid_input import COLOR, DEPTH, sprinkled
-from support import LANGUAGES, in_each_language, nightly, spread
+from support import NIGHTLY, spread
 from support_cases import everything, within
 
 from bokeh_validation import drivers, paths
@@ -147,13 +147,10 @@ MOST_SAMPLES = {"d3d9": 254}
 MOST_SIDE = {"naive": 90, "naive grid": 24}
 
 
-@pytest.mark.parametrize("count", ["fewest", "most"])
-@pytest.mark.parametrize(
-    "method", ["paper hexagon", "paper pentagon", "exact, preset", "exact hexagon", "naive", "naive grid"]
-)
-@pytest.mark.parametrize(
-    "driver", [*LANGUAGES, *(pytest.param(name, marks=nightly) for name in MOST_SAMPLES)], indirect=True
-)
+COUNTS = ("paper hexagon", "paper pentagon", "exact, preset", "exact hexagon", "naive", "naive grid")
+
+
+@spread("method,count", product(COUNTS, ["fewest", "most"]), nightly_drivers=MOST_SAMPLES)
 def test_sample_counts(method, count, driver):
     """Check two samples on a line, and the maximum: 254 in shader model 3, 1024 elsewhere."""
     samples = 2 if count == "fewest" else MOST_SIDE.get(method, MOST_SAMPLES.get(driver.name, 1024))
@@ -164,7 +161,7 @@ def test_sample_counts(method, count, driver):
     assert_right(driver, littered((9, 7), settings, 0.1))
 
 
-@pytest.mark.parametrize("aperture", ["octagon", "decagon"])
+@spread("aperture", ["octagon", "decagon"], nightly_drivers=NIGHTLY)
 def test_clipped_highlights_do_not_overflow(aperture, driver):
     """Check that colours of 65504 and 65472, the two largest half floats, do not overflow when targets are drawn one
     by one.
@@ -250,8 +247,7 @@ EQUIVALENTS = [
 ]
 
 
-@in_each_language
-@pytest.mark.parametrize(("method", "name", "wrong", "right"), EQUIVALENTS)
+@spread("method,name,wrong,right", EQUIVALENTS)
 def test_parameters_count_as_documented(method, name, wrong, right, driver):
     """Check that both values give bit-identical results."""
     case = littered((24, 16), METHODS[method], 0.1)
@@ -259,7 +255,7 @@ def test_parameters_count_as_documented(method, name, wrong, right, driver):
     assert not differing(actual, expected).any()
 
 
-@in_each_language
+@spread("", [()])
 def test_a_spacing_that_is_none_is_the_presets(driver):
     """Check that a spacing of 0 or less is bit-identical to the preset's 1.5 pixels.
 

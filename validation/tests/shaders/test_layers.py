@@ -201,7 +201,7 @@ TWO_CHANNELS = {"layer coc"}
 def test_two_channels_are_enough():
     """Check that the target that docs/methods/layered.md names may be RG16F without changing the image."""
     settings = methods.Settings("layered", "hexagon", 7, camera=CAMERA, use_mrt=False)
-    driver, case = load("osmesa"), noise_case((101, 77), settings)
+    driver, case = load("egl"), noise_case((101, 77), settings)
     passes, drop_channels = case.plan.passes, "BokehResult = vec4(BokehResult.rg, 0.0, 1.0);"
     assert TWO_CHANNELS < {name for render_pass in passes for name in render_pass.outputs}
     fewer = [
@@ -236,7 +236,7 @@ def counted(settings: methods.Settings, depth: np.ndarray) -> tuple[float, float
             scales[name] = render_pass.scale
             outputs = name, *(f"{name}, {k}" for k in range(1, len(render_pass.outputs)))
             passes.append(ending(render_pass, "BokehResult = vec4(fetched);", COUNTER, output=outputs))
-    output = load("osmesa").run(passes, {"color": flat(size, 1.0), "depth": depth}, size, keep=list(scales))
+    output = load("egl").run(passes, {"color": flat(size, 1.0), "depth": depth}, size, keep=list(scales))
     counts = [output[name][..., 0].astype(float) / scale**2 for name, scale in scales.items()]
     # plus the CoC map: the pixel and its four neighbours
     return 5 + sum(map(np.mean, counts)), 5 + sum(map(np.max, counts)), counts[-1].max()

@@ -30,8 +30,8 @@ OCTAGON_OFF = 0.006
 
 @cache
 def flip(name: str, label: str, aperture: str = "hexagon", **changes) -> float:
-    """Return the FLIP of a method on a scene, on OSMesa with half-float targets."""
-    image = truth.picture(load("osmesa"), SCENES[name], label, aperture, **changes)
+    """Return the FLIP of a method on a scene, on EGL with half-float targets."""
+    image = truth.picture(load("egl"), SCENES[name], label, aperture, **changes)
     return truth.measured(image, ray_traced.truth(SCENES[name], aperture))["flip"]
 
 

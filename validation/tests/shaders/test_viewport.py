@@ -3,42 +3,16 @@
 from dataclasses import replace
 
 import numpy as np
-import pytest
-from support import in_each_language, spread
+from support import NIGHTLY, spread
 from support_cases import noise_case
 
-from bokeh_validation import metrics
 from bokeh_validation.frame import methods
 from bokeh_validation.frame.methods import Settings
 from bokeh_validation.numerics import images
-from bokeh_validation.probes import cases
-from bokeh_validation.reference import pass_images
+from bokeh_validation.probes import judges
+from bokeh_validation.probes.cases import IN_RECTANGLE, IN_VIEWPORT, RECTANGLE, SIZE, VIEWPORTS
 from bokeh_validation.shaders.passes import Pass, target_area
 
-SIZE = (90, 74)
-# off-centre and with another aspect ratio than the textures, so that a wrong corner, size or row order shows
-VIEWPORT = (24, 8, 48, 37)
-CAMERA = methods.Camera(0.12, 0.05, 4.0, max_coc=0.3)
-SETTINGS = cases.tagged(cases.VIEWPORT, CAMERA)
-WIDE = Settings("exact", "hexagon", camera=replace(CAMERA, max_coc=1.0))
-LAYERED = SETTINGS["layered hexagon"]
-# Name -> settings, size of the textures, and the image's rectangle in them
-CASES = {
-    **{name: (settings, SIZE, VIEWPORT) for name, settings in SETTINGS.items()},
-    # The whole texture, a corner, and each polygon, so that every entry of layered draws into one. The smallest is
-    # more than 8 pixels wide and high, because a target of one eighth that is one texel wide has no room for the inset
-    "layered, whole": (LAYERED, SIZE, (0, 0, 90, 74)),
-    "layered square, a corner": (replace(LAYERED, aperture="square"), SIZE, (8, 24, 40, 30)),
-    "layered octagon, last corner": (replace(LAYERED, aperture="octagon", use_mrt=False), SIZE, (40, 16, 50, 58)),
-    "layered decagon, smallest": (replace(LAYERED, aperture="decagon"), SIZE, (72, 56, 11, 9)),
-    # The smallest image, the whole texture, its last corner, and positions far from uv 0, where float32 is coarsest
-    "smallest": (WIDE, (9, 7), (3, 2, 2, 2)),
-    "whole": (WIDE, (9, 7), (0, 0, 9, 7)),
-    "last corner": (WIDE, (9, 7), (8 - 3, 7 - 5, 3, 5)),
-    "far right": (WIDE, (4096, 5), (4096 - 40, 1, 33, 3)),
-    "far down": (WIDE, (5, 4096), (1, 4096 - 40, 3, 33)),
-    "farthest": (WIDE, (8192, 4), (8192 - 33, 0, 33, 3)),
-}
 EVERYWHERE = ("paper hexagon", "exact, preset", "naive", "constant CoC", "layered hexagon", "smallest")
 
 
@@ -55,76 +29,67 @@ def framed(part: np.ndarray, size: tuple[int, int], area: tuple[int, int, int, i
     return whole
 
 
-@spread("name", CASES, EVERYWHERE)
+@spread("name", VIEWPORTS, EVERYWHERE)
 def test_nothing_leaks_in(name, driver):
     """Check that targets are within the reference's interval inside the viewport and unchanged outside it.
 
-    Around the image every texture is NaN. layered, cat's eye and lateral colour are compared pass by pass, each with
-    the device's own inputs. The interval is computed for the image alone, then widened by the slope times 1/128
-    texel, the distance that fetches keep from the surroundings.
+    Around the image every texture is NaN. The interval is computed for the image alone, then widened by the slope times
+    1/128 texel, the distance that fetches keep from the surroundings.
     """
-    settings, size, viewport = CASES[name]
+    settings, size, viewport = VIEWPORTS[name]
     image = noise_case(viewport[2:], settings)
     plan = methods.in_viewport(image.plan, viewport, size)
-    nothing = np.full((size[1], size[0], 4), np.nan, np.float16)
     textures = {"color": framed(image.color, size, viewport), "depth": framed(image.depth, size, viewport)}
     textures |= plan.tables
     # in shader model 3 the last pass of layered does not fit with a viewport: variants.NO_ROOM
     passes = [
         render_pass for render_pass in plan.passes if (driver.name, render_pass.entry) != ("d3d9", "BokehComposite")
     ]
+    # the interval covers positions within the part; at uv near 1 of a wide texture float32 resolves fewer of them
+    if max(size) < 1000:
+        frame = judges.Frame(tuple(passes), textures, size, area=viewport)
+        for judge in judges.judges(name, frame, driver.precision, driver.rounding):
+            assert not judge.objection(driver)
     scales = {name: render_pass.scale for render_pass in passes for name in render_pass.outputs}
     # fill every target with NaN first, by debug views at the target's scale
+    textures["nan"] = np.full((size[1], size[0], 4), np.nan, np.float16)
     inputs = {"ColorSamp": "nan", "DepthSamp": "depth"}
     poison = [Pass("BokehDebug", inputs, name, scale=scale) for name, scale in scales.items()]
-    outputs = driver.run([*poison, *passes], textures | {"nan": nothing}, size, keep=scales)
-    by_pass = settings.method == "layered" or settings.cats_eye > 0.0 or settings.lateral > 0.0
-    device_targets = outputs if by_pass else None
-    expected = pass_images.images(
-        passes, textures, size, "half", driver.precision, driver.rounding, given=device_targets
-    )
-    for name in scales if by_pass else (plan.result,):
-        x, y, width, height = area = target_area(scales[name], viewport)
-        actual = inside(outputs[name], area)
-        assert np.isfinite(actual).all(), f"what is around the image leaks into {name}"
-        # the interval covers positions within the part; at uv near 1 of a wide texture float32 resolves fewer of them
-        if max(size) < 1000:
-            software = driver.software and name == plan.result and not by_pass
-            image_part = expected[name].part(slice(y, y + height), slice(x, x + width))
-            comparison = metrics.compare(actual, image_part, software)
-            assert comparison.outside == 0, (name, comparison)
-    if plan.result not in outputs:
-        return
-    result = outputs[plan.result].copy()
-    image_part = inside(result, viewport)
-    assert (image_part[..., :3] >= 0).all() and (np.abs(image_part[..., 3]) <= 1.0).all()
-    image_part[:] = np.nan
-    assert np.isnan(result).all()
+    outputs = driver.run([*poison, *passes], textures, size, keep=scales)
+    for name, scale in scales.items():
+        target = outputs[name].copy()
+        image_part = inside(target, target_area(scale, viewport))
+        assert np.isfinite(image_part).all(), f"what is around the image leaks into {name}"
+        if name == plan.result:
+            assert (image_part[..., :3] >= 0).all() and (np.abs(image_part[..., 3]) <= 1.0).all()
+        image_part[:] = np.nan
+        assert np.isnan(target).all(), f"{name} is drawn outside the viewport"
 
 
+@spread("", [()], nightly_drivers=NIGHTLY)
 def test_debug_views_and_linear_depth(driver):
     """Compare debug views and linear depth of a part with the same image in a texture of its own size."""
-    image = noise_case(VIEWPORT[2:], Settings())
+    image = noise_case(RECTANGLE[2:], Settings())
     textures = {"color": image.color, "depth": image.depth}
-    whole = {name: framed(pixels, SIZE, VIEWPORT) for name, pixels in textures.items()}
-    parameters = {**CAMERA.parameters(), "BokehDepthKind": 7.0, "BokehFar": 20.0}
+    whole = {name: framed(pixels, SIZE, RECTANGLE) for name, pixels in textures.items()}
+    parameters = {**IN_VIEWPORT.parameters(), "BokehDepthKind": 7.0, "BokehFar": 20.0}
     coc = Pass("BokehCoCMap", {"ColorSamp": "color", "DepthSamp": "depth"}, "coc", parameters)
     view = Pass("BokehDebug", {"ColorSamp": "coc", "DepthSamp": "depth"}, "result", parameters)
     views = [(coc, replace(view, parameters={**parameters, "BokehDebugMode": float(mode)})) for mode in range(4)]
     linear = (Pass("BokehLinearDepth", {"DepthSamp": "depth"}, "result", parameters),)
     for passes in (linear, *views):
-        alone = driver.run(passes, textures, VIEWPORT[2:])["result"][..., :3].astype(float)
-        plan = methods.in_viewport(methods.Plan(passes, {}), VIEWPORT, SIZE)
+        alone = driver.run(passes, textures, RECTANGLE[2:])["result"][..., :3].astype(float)
+        plan = methods.in_viewport(methods.Plan(passes, {}), RECTANGLE, SIZE)
         output = driver.run(plan.passes, whole, SIZE)["result"]
-        assert not output[: VIEWPORT[1]].any(), "a new target holds 0 around the viewport"
+        assert not output[: RECTANGLE[1]].any(), "a new target holds 0 around the viewport"
         # colour is read with a linear filter, off by at most the inset: 1/128 of the step to the next texel in x and
         # y; and both results are stored
-        # and both are stored
         step = 0.0 if passes in (linear, views[1]) else 2 * alone.max() / 128
-        off = np.abs(inside(output, VIEWPORT)[..., :3].astype(float) - alone)
+        off = np.abs(inside(output, RECTANGLE)[..., :3].astype(float) - alone)
         assert (off <= step + 2 * images.step(np.abs(alone), np.float16)).all()
 
 
+@spread("", [()], nightly_drivers=NIGHTLY)
 def test_a_column(driver):
     """Check an image one pixel wide, which has no room for the inset: it equals the image alone if its surroundings
     are finite.
@@ -141,13 +106,12 @@ def test_a_column(driver):
     assert off.max() <= 2 * (8 * 8 * 2.0**-24 + (0.0 if driver.software else 2.0**-8) + 2.0**-11)
 
 
-@pytest.mark.parametrize("name", ["ViewportX", "ViewportY", "TextureWidth", "TextureHeight"])
-@in_each_language
+@spread("name", ["ViewportX", "ViewportY", "TextureWidth", "TextureHeight"])
 def test_parameters_out_of_range(name, driver):
     """Check that results are finite and not negative for invalid viewports, also from bad colour."""
     image = noise_case(SIZE, Settings())
     image.color[::3, ::5] = np.nan
-    plan = methods.in_viewport(methods.plan(SETTINGS["exact, preset"], VIEWPORT[2:]), VIEWPORT, SIZE)
+    plan = methods.in_viewport(methods.plan(IN_RECTANGLE["exact, preset"], RECTANGLE[2:]), RECTANGLE, SIZE)
     for value in (-500.0, 0.0, 1e30):
         passes = [
             replace(render_pass, parameters={**render_pass.parameters, f"Bokeh{name}": value})
