@@ -14,6 +14,18 @@ const CLICK = 5;
 // Returns whether an object and all its parents are visible: rays of three.js also hit hidden objects.
 const isSeen = (object) => !object || (object.visible && isSeen(object.parent));
 
+// Draws the objects of a layer into the current render target, over what is there. Also puts the lights on the layer.
+export function drawLayer(renderer, scene, camera, layer) {
+  const { background } = scene;
+  const { mask } = camera.layers;
+  scene.traverse((object) => object.isLight && object.layers.enable(layer));
+  scene.background = null;
+  camera.layers.set(layer);
+  renderer.render(scene, camera);
+  camera.layers.mask = mask;
+  Object.assign(scene, { background });
+}
+
 // The options of three.js. PolygonBokehPass and PolygonBokehNode each add one more.
 //   alpha  true: alpha is blurred too, for a transparent canvas, and colour must be premultiplied; takes twice as long
 export const THREE_CHOICES = { ...CHOICES, alpha: [false, true] };

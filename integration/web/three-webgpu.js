@@ -10,7 +10,7 @@ import { nodeObject, outputStruct, passTexture, rtt, sampler, texture, uniform, 
 import { checked, uniformsOf } from './common.js';
 import { METRES, UNBLURRED, declared, frame, inWgsl, library, views } from './frames.js';
 import { WGSL } from './shaders.js';
-import { THREE_CHOICES, withLens } from './three-common.js';
+import { THREE_CHOICES, drawLayer, withLens } from './three-common.js';
 
 const CHOICES = { ...THREE_CHOICES, sharpLayer: undefined };
 const TYPES = { depthKind: 'i32', imageSize: 'vec2f', uv: 'vec2f', Linear: 'sampler' };
@@ -30,7 +30,8 @@ const SHARP =
   'options), draw the glass after the bokeh.';
 
 // Returns a material without blending: alpha is not opacity, but the circle of confusion or a layer's weight
-const material = (fragmentNode) => Object.assign(new NodeMaterial(), { fragmentNode, blending: NoBlending });
+const material = (fragmentNode) =>
+  Object.assign(new NodeMaterial(), { fragmentNode, blending: NoBlending, depthTest: false, depthWrite: false });
 let rendererState;
 
 const targetOf = (renderer) => [renderer.getRenderTarget(), renderer.getActiveCubeFace(), renderer.getActiveMipmapLevel()];
@@ -115,6 +116,7 @@ export class PolygonBokehNode extends withLens(Node, { Raycaster, Vector2, Vecto
     // later nodes read this target, so change() keeps it
     this.result = new RenderTarget(1, 1, { type: HalfFloatType, depthBuffer: false });
     this.sharp = this.options.sharpLayer === undefined ? null : new RenderTarget(1, 1, { type: HalfFloatType });
+    this.underSharp = new QuadMesh(material(texture(this.result.texture)));
     Object.assign(this, this.made(this.options));
   }
 
@@ -275,27 +277,18 @@ export class PolygonBokehNode extends withLens(Node, { Raycaster, Vector2, Vecto
 
   // Copies the result, and draws the objects of the sharp layer over it, with the depth of the scene.
   drawSharp(renderer) {
-    const { sharp, camera } = this;
+    const { sharp, underSharp, camera } = this;
     const { scene, renderTarget } = this.scenePass;
     const { depthTexture, width, height } = renderTarget;
-    const { mask } = camera.layers;
-    const { background } = scene;
     sharp.setSize(width, height);
     if (sharp.depthTexture !== depthTexture) {
-      this.copy = new QuadMesh(material(texture(this.result.texture)));
-      Object.assign(this.copy.material, { depthTest: false, depthWrite: false });
       sharp.depthTexture = depthTexture;
       depthTexture.renderTarget = renderTarget; // which remains its owner
     }
-    scene.traverse((object) => object.isLight && object.layers.enable(this.options.sharpLayer));
     renderer.setRenderTarget(sharp);
     renderer.autoClear = false;
-    renderer.render(this.copy, this.copy.camera);
-    scene.background = null;
-    camera.layers.set(this.options.sharpLayer);
-    renderer.render(scene, camera);
-    camera.layers.mask = mask;
-    Object.assign(scene, { background });
+    renderer.render(underSharp, underSharp.camera);
+    drawLayer(renderer, scene, camera, this.options.sharpLayer);
   }
 
   // Size of the input: [width, height]
@@ -318,7 +311,7 @@ export class PolygonBokehNode extends withLens(Node, { Raycaster, Vector2, Vecto
 
   dispose() {
     this.discard(this);
-    for (const own of [this.result, this.sharp, this.copy?.material]) own?.dispose();
+    for (const own of [this.result, this.sharp, this.underSharp.material]) own?.dispose();
     super.dispose();
   }
 }

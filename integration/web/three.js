@@ -5,6 +5,7 @@
 
 import { AlwaysDepth, HalfFloatType, ShaderMaterial, WebGLRenderTarget } from 'three';
 import { FullScreenQuad, Pass } from 'three/addons/postprocessing/Pass.js';
+import { drawLayer } from './three-common.js';
 import { FLOAT, withPasses } from './three-passes.js';
 
 const GIVE_DEPTH =
@@ -86,21 +87,13 @@ export class SharpPass extends Pass {
 
   render(renderer, writeBuffer, readBuffer) {
     const { scene, layer, bokeh } = this;
-    const { camera } = bokeh;
     const { autoClear } = renderer;
-    const { background } = scene;
-    const { mask } = camera.layers;
-    scene.traverse((object) => object.isLight && object.layers.enable(layer));
     const depth = bokeh.textures.depth.value;
     this.quad.material.uniforms.depth.value = depth;
     renderer.setRenderTarget(readBuffer);
     renderer.autoClear = false;
     if (readBuffer.depthTexture?.source !== depth.source) this.quad.render(renderer);
-    scene.background = null;
-    camera.layers.set(layer);
-    renderer.render(scene, camera);
-    Object.assign(scene, { background });
-    camera.layers.mask = mask;
+    drawLayer(renderer, scene, bokeh.camera, layer);
     renderer.autoClear = autoClear;
   }
 

@@ -35,8 +35,11 @@ async function drawn({ bokeh, pipeline }, other = renderer) {
   other.setRenderTarget(target);
   await (pipeline.render() ?? 0);
   other.setRenderTarget(null);
-  const shown = bokeh.sharp ?? bokeh.result;
-  const halves = await other.readRenderTargetPixelsAsync(shown, 0, 0, shown.width, shown.height);
+  return pixels(bokeh.sharp ?? bokeh.result, other);
+}
+
+async function pixels(target, other = renderer) {
+  const halves = await other.readRenderTargetPixelsAsync(target, 0, 0, target.width, target.height);
   return Array.from(halves, THREE.DataUtils.fromHalfFloat);
 }
 
@@ -126,8 +129,7 @@ window.bokeh = {
     const image = await drawn(made);
     const fewer = whole - count;
     delete renderer.render;
-    const halves = await renderer.readRenderTargetPixelsAsync(made.bokeh.scenePass.renderTarget, 0, 0, ...SIZE);
-    const scene = Array.from(halves, THREE.DataUtils.fromHalfFloat);
+    const scene = await pixels(made.bokeh.scenePass.renderTarget);
     made.bokeh.setLens(1.4, 20);
     const again = off(await drawn(made), blurred);
     return { fewer, passes: made.bokeh.passes.length, off: off(image, scene), acts: off(blurred, scene), again };
@@ -239,13 +241,27 @@ window.bokeh = {
     return Promise.all(given.map((one) => message(async () => new PolygonBokehNode(...one))));
   },
 
-  // Returns the colours at three points of the image, without glass, and in two frames with it.
+  // Returns the colours at three points of several images: without glass and in two frames with it, and then, after a
+  // change and with a bokehScale of 0, of the blurred image and of the image with glass. Throws an Error if the pass
+  // draws another scene after dispose().
   async glass() {
     const world = makeScene();
     const without = await drawn(chain(world, {}));
     addGlass(world);
     const made = chain(world, { sharpLayer: 1 });
-    return glassFound([without, await drawn(made), await drawn(made)], world);
+    const found = [glassFound([without, await drawn(made), await drawn(made)], world)];
+    for (const step of [() => made.bokeh.change({ sides: 4 }), () => made.bokeh.setLens(2.8, 0)]) {
+      await step();
+      await drawn(made);
+      found.push(glassFound([await pixels(made.bokeh.result), await pixels(made.bokeh.sharp)], world));
+    }
+    const { scenePass } = made.bokeh;
+    const before = await pixels(scenePass.renderTarget);
+    made.bokeh.dispose();
+    Object.assign(made.pipeline, { outputNode: scenePass, needsUpdate: true });
+    await (made.pipeline.render() ?? 0);
+    if (off(await pixels(scenePass.renderTarget), before)) throw new Error('dispose() has changed the scene');
+    return found;
   },
 
   // Compares four samples per pixel with one. Returns how much the middle of the subject differs, and the quotient of
