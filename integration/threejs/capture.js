@@ -2,7 +2,7 @@
 
 import { OrthographicCamera, Raycaster, REVISION, Vector2 } from 'three';
 import { addShot, base64, cameraOf, HEIGHT, pulledTo } from '../web/test/captures.js';
-import { SHAPES, shotsOf, SIZE, sizeOf, uniformsOf, WIDTH } from '../web/test/captures.js';
+import { SHAPES, shotsOf, SIZE, sizeOf, uniformsOf, viewsOf, WIDTH } from '../web/test/captures.js';
 
 // The same functions for each sample:
 //   draw(options, size, changes)  draws a frame and returns it, { bokeh, ... }; `changes` are another camera, renderer,
@@ -225,21 +225,15 @@ export async function logarithmic(kind) {
   sample.draw({}, [WIDTH, HEIGHT], { camera: sample.camera.clone(), renderer });
 }
 
-// Draws the debug views. Returns { focus, maxCoC, depth, coc: rgba with the CoC in a, views: { 1: rgba, 2: rgba,
-// 3: rgba } }.
+// Draws the debug views, for viewsOf.
 export async function views(kind) {
   const sample = await samples[kind]();
   const { depth } = await sample.read(sample.draw({ method: 'paper' }, [WIDTH, HEIGHT]));
-  const found = { depth: base64(depth), views: {} };
-  for (const mode of [0, 1, 2, 3]) {
+  return viewsOf(async (mode) => {
     const frame = sample.draw({ opaque: false }, [WIDTH, HEIGHT], { mode });
-    const { result } = await sample.read(frame);
     const { focusDistance, maxCoC } = frame.bokeh.uniforms;
-    Object.assign(found, { focus: focusDistance.value, maxCoC: maxCoC.value });
-    if (mode === 0) found.coc = base64(result);
-    else found.views[mode] = base64(result);
-  }
-  return found;
+    return { depth, result: (await sample.read(frame)).result, focus: focusDistance.value, maxCoC: maxCoC.value };
+  });
 }
 
 // Tests the sample's own keys and clicks. Returns the focus distance before, after a drag that ends on the box, and

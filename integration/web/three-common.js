@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
 //
-// The methods for lens and focus that PolygonBokehPass and PolygonBokehNode share. Each of them passes in the classes
-// of the three.js build that it imports.
+// The methods for options, lens and focus that PolygonBokehPass and PolygonBokehNode share. Each of them passes in the
+// classes of the three.js build that it imports.
 
-import { CHOICES, diameter, pulled } from './common.js';
+import { CHOICES, checked, diameter, pulled } from './common.js';
 
 // FloatType of three.js. Only the target `metres` has it, as R32F; all others are RGBA16F.
 const FLOAT = 1015;
@@ -30,8 +30,23 @@ export function drawLayer(renderer, scene, camera, layer) {
 //   alpha  true: alpha is blurred too, for a transparent canvas, and colour must be premultiplied; takes twice as long
 export const THREE_CHOICES = { ...CHOICES, alpha: [false, true] };
 
-export const withLens = (Base, { Raycaster, Vector2, Vector3 }) =>
+// `name` and `choices` are those of the class, for checked().
+export const withLens = (Base, { name, choices }, { Raycaster, Vector2, Vector3 }) =>
   class extends Base {
+    checked = (options) => checked(name, options, choices);
+
+    // Changes some of the constructor's options. The promise resolves when the new shaders are compiled: the next frame
+    // is drawn with the new options. Until then, frames look as before. It rejects if an option is invalid.
+    async change(options) {
+      const made = this.made(this.checked({ ...this.options, ...options }));
+      this.resize(made.passes);
+      this.changing = made;
+      if (this.renderer) await this.compile(made);
+      // the new passes replace the old ones, unless another change has begun in the meantime: then drop the new ones
+      this.discard(this.changing === made ? this : made);
+      if (this.changing === made) Object.assign(this, made);
+    }
+
     // common.d.ts describes this method, and pullFocus().
     setLens(fStop = 2.8, bokehScale = 10) {
       const { apertureDiameter, focalLength, sensorHeight } = this.uniforms;

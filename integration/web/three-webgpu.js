@@ -7,12 +7,12 @@
 import { FloatType, HalfFloatType, NoBlending, Raycaster, RedFormat, Vector2, Vector3 } from 'three/webgpu';
 import { Node, NodeMaterial, NodeUpdateType, QuadMesh, RenderTarget, RendererUtils, VarNode } from 'three/webgpu';
 import { nodeObject, outputStruct, passTexture, rtt, sampler, texture, uniform, uv, vec4, wgsl, wgslFn } from 'three/tsl';
-import { checked, uniformsOf } from './common.js';
+import { uniformsOf } from './common.js';
 import { METRES, UNBLURRED, declared, frame, inWgsl, library, views } from './frames.js';
 import { WGSL } from './shaders.js';
 import { THREE_CHOICES, drawLayer, withLens } from './three-common.js';
 
-const CHOICES = { ...THREE_CHOICES, sharpLayer: undefined };
+const CLASS = { name: 'PolygonBokehNode', choices: { ...THREE_CHOICES, sharpLayer: undefined } };
 const TYPES = { depthKind: 'i32', imageSize: 'vec2f', uv: 'vec2f', Linear: 'sampler' };
 
 const WEBGL =
@@ -74,7 +74,7 @@ function samplesOf({ passNode, value }, renderer) {
   return value.renderTarget?.samples ?? 0;
 }
 
-export class PolygonBokehNode extends withLens(Node, { Raycaster, Vector2, Vector3 }) {
+export class PolygonBokehNode extends withLens(Node, CLASS, { Raycaster, Vector2, Vector3 }) {
   static get type() {
     return 'PolygonBokehNode';
   }
@@ -100,7 +100,7 @@ export class PolygonBokehNode extends withLens(Node, { Raycaster, Vector2, Vecto
     this.scenePass = isPass ? color : null;
     this.source = { color: textureOf(color), depth };
     this.ownCamera = camera;
-    this.options = checked('PolygonBokehNode', options, CHOICES);
+    this.options = this.checked(options);
     if (!isPass && this.options.sharpLayer !== undefined) throw new Error(SHARP);
 
     // The settings, which you may change in every frame: lengths in metres, maxCoC as a fraction of the image height,
@@ -162,23 +162,13 @@ export class PolygonBokehNode extends withLens(Node, { Raycaster, Vector2, Vecto
     });
   }
 
-  // Changes some of the constructor's options. The promise resolves when the new shaders are compiled: the next frame
-  // is drawn with the new options. Until then, frames look as before. It rejects if an option is invalid.
-  async change(options) {
-    const made = this.made(checked('PolygonBokehNode', { ...this.options, ...options }, CHOICES));
-    const { renderer } = this;
-    this.changing = made;
-    if (renderer) {
-      this.fill(made);
-      this.resize(made.passes);
-      for (const { target, quad } of made.passes) await this.compile(target, quad); // three.js compiles one at a time
-    }
-    // the new passes replace the old ones, unless another change has begun in the meantime: then drop the new ones
-    this.discard(this.changing === made ? this : made);
-    if (this.changing === made) Object.assign(this, made);
+  // Creates the materials of a frame, and compiles the shaders of its passes.
+  async compile(made) {
+    this.fill(made);
+    for (const { target, quad } of made.passes) await this.compileOne(target, quad); // three.js compiles one at a time
   }
 
-  compile(target, quad) {
+  compileOne(target, quad) {
     const { renderer } = this;
     const state = compilingOf(renderer);
     Object.assign(state, { calling: true, target: targetOf(renderer) });
