@@ -237,7 +237,7 @@ export async function views(kind) {
 }
 
 // Tests the sample's own keys and clicks. Returns the focus distance before, after a drag that ends on the box, and
-// after a click on the box through a hidden object; the depth of the box; and the debug mode after a key was pressed.
+// after a click on the box through two hidden ones; the depth of the box; and the debug mode after a key was pressed.
 export async function interaction(kind) {
   const { renderer, camera, scene, bokeh, focus } = await samples[kind]();
   const box = scene.children.find((child) => child.geometry?.type === 'BoxGeometry');
@@ -250,13 +250,14 @@ export async function interaction(kind) {
   domElement.dispatchEvent(new MouseEvent('click', place));
   const dragged = focus.pulling ? NaN : bokeh.uniforms.focusDistance.value;
   domElement.dispatchEvent(new PointerEvent('pointerdown', { ...place, clientX: place.clientX + 4 }));
-  const hidden = box.clone();
+  const [hidden, unseen] = [box.clone(), box.clone()];
   hidden.visible = false;
-  hidden.position.lerp(camera.position, 0.5);
-  scene.add(hidden);
-  hidden.updateWorldMatrix(true, false);
+  unseen.material = Array(6).fill(Object.assign(box.material.clone(), { visible: false })); // one for each side
+  scene.add(hidden, unseen);
+  for (const one of [hidden, unseen]) one.position.lerp(camera.position, 0.5);
+  scene.updateMatrixWorld();
   domElement.dispatchEvent(new MouseEvent('click', place));
-  scene.remove(hidden);
+  scene.remove(hidden, unseen);
   while (focus.pulling) await new Promise(requestAnimationFrame);
   dispatchEvent(new KeyboardEvent('keydown', { key: '2' }));
   const { focusDistance, debugMode } = bokeh.uniforms;

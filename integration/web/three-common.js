@@ -12,7 +12,9 @@ const FLOAT = 1015;
 const CLICK = 5;
 
 // Returns whether an object and all its parents are visible: rays of three.js also hit hidden objects.
-const isSeen = (object) => !object || (object.visible && isSeen(object.parent));
+const isVisible = (object) => !object || (object.visible && isVisible(object.parent));
+// Returns the same of what a ray has hit, which may also have a hidden material.
+const isSeen = ({ object, face }) => isVisible(object) && [object.material].flat()[face?.materialIndex ?? 0]?.visible !== false;
 
 // Draws the objects of a layer into the current render target, over what is there. Also puts the lights on the layer.
 export function drawLayer(renderer, scene, camera, layer) {
@@ -81,7 +83,7 @@ export const withLens = (Base, { name, choices }, { Raycaster, Vector2, Vector3 
       const caster = new Raycaster();
       return points.map(([x, y]) => {
         caster.setFromCamera(new Vector2(x, y), this.camera);
-        const hit = caster.intersectObjects(scene.children).find(({ object }) => isSeen(object));
+        const hit = caster.intersectObjects(scene.children).find(isSeen);
         return hit ? this.depthOf(hit.point) : Infinity;
       });
     }
