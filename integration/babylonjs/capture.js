@@ -18,6 +18,12 @@ async function stopped(kind) {
   return sample;
 }
 
+function drawFrame(engine, scene) {
+  engine.beginFrame();
+  scene.render();
+  engine.endFrame();
+}
+
 // Replaces the PolygonBokeh with one that has these options, and draws a frame.
 async function draw(sample, options, [width, height], uniforms = {}) {
   const { engine, scene, subject } = sample;
@@ -31,9 +37,7 @@ async function draw(sample, options, [width, height], uniforms = {}) {
     if (errors.some(Boolean)) throw new Error(errors.join('\n'));
     await new Promise((done) => setTimeout(done, 10));
   }
-  engine.beginFrame();
-  scene.render();
-  engine.endFrame();
+  drawFrame(engine, scene);
 }
 
 // Returns the pixels of an internal texture of the engine, beginning with the first row in memory.
@@ -103,9 +107,7 @@ async function drawnByGraph({ engine, scene, camera, subject }, options, bokehSc
   bokeh.focusOn(subject.position);
   bokeh.setLens(1.4, bokehScale);
   await graph.buildAsync();
-  engine.beginFrame();
-  scene.render();
-  engine.endFrame();
+  drawFrame(engine, scene);
   const canvas = await new Promise((done) => engine.getRenderingCanvas().toBlob(done));
   const read = (handle, channels) => pixels(engine, graph.textureManager.getTextureFromHandle(handle), channels);
   const written = [];
@@ -156,9 +158,7 @@ export async function unblurred(kind) {
     render.apply(quad, given);
   };
   const frame = async () => {
-    engine.beginFrame();
-    scene.render();
-    engine.endFrame();
+    drawFrame(engine, scene);
     return base64(await pixels(engine, tone.inputTexture.texture, 4));
   };
   sample.bokeh.setLens(2.8, 0);
