@@ -62,6 +62,14 @@ function occluded(scenePass, camera) {
   return [scenePass.getTextureNode().mul(vec4(occlusion.getTextureNode().rrr, 1)), depth, camera];
 }
 
+// Returns the same for global illumination, by the function ssgi of three.js.
+const illuminated = (ssgi) => (scenePass, camera) => {
+  scenePass.setMRT(mrt({ output, normal: normalView }));
+  const [color, depth] = ['output', 'depth'].map((name) => scenePass.getTextureNode(name));
+  const light = ssgi(color, depth, scenePass.getTextureNode('normal'), camera);
+  return [color.mul(light.getAONode().r).add(color.mul(light.getGINode())), depth, camera];
+};
+
 const message = (call) => call().then(() => '', (error) => error.message);
 
 window.bokeh = {
@@ -181,16 +189,19 @@ window.bokeh = {
     return { same: off(same, plain), half: off(doubled, plain), kind: depthKind.value, far: farPlane.value };
   },
 
-  // Draws ambient occlusion before the bokeh. Returns how much the image differs from the bokeh of a texture with the
-  // same pixels (baked), and from the bokeh without occlusion (acts), and the size of the image after a resize. Each
-  // chain has a scene of its own, because old versions of three.js mix up several passes of one scene.
-  async occlusion() {
+  // Draws ambient occlusion or 'ssgi' before the bokeh. Returns how much the image differs from the bokeh of a texture
+  // with the same pixels (baked), and from the bokeh of the scene alone (acts), and the size of the image after a
+  // resize. Returns null if this version of three.js has no SSGINode. Each chain has a scene of its own, because old
+  // versions of three.js mix up several passes of one scene.
+  async occlusion(by) {
+    if (by === 'ssgi' && Number(THREE.REVISION) < 180) return null;
+    const build = by === 'ssgi' ? illuminated((await import('three/addons/tsl/display/SSGINode.js')).ssgi) : occluded;
     const worldOf = () => {
       const world = makeScene();
       world.scene.children.at(-1).position.z = -4.3; // the wall, near enough to the subject for some occlusion
       return world;
     };
-    const made = graph(worldOf(), occluded);
+    const made = graph(worldOf(), build);
     const found = await drawn(made);
     const colour = made.bokeh.source.color.renderTarget;
     const halves = await renderer.readRenderTargetPixelsAsync(colour, 0, 0, ...SIZE);
