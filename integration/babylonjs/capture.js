@@ -7,7 +7,7 @@ import '@babylonjs/core/Engines/WebGPU/Extensions/engine.readTexture.js';
 import { addGraph } from './frameGraph.js';
 import { addBokeh, depthsUnder } from './sample.js';
 import { addShot, base64, cameraOf, HEIGHT, ODD_SIZE, pulledTo } from '../web/test/captures.js';
-import { SHAPES, shotsOf, SIZE, sizeOf, uniformsOf, WIDTH } from '../web/test/captures.js';
+import { SHAPES, shotsOf, SIZE, sizeOf, uniformsOf, viewsOf, WIDTH } from '../web/test/captures.js';
 
 const METHODS = ['layered', 'exact']; // the default first
 
@@ -16,6 +16,12 @@ async function stopped(kind) {
   const { sample } = await import(`./${kind}.js`);
   sample.engine.stopRenderLoop();
   return sample;
+}
+
+function drawFrame(engine, scene) {
+  engine.beginFrame();
+  scene.render();
+  engine.endFrame();
 }
 
 // Replaces the PolygonBokeh with one that has these options, and draws a frame.
@@ -31,9 +37,7 @@ async function draw(sample, options, [width, height], uniforms = {}) {
     if (errors.some(Boolean)) throw new Error(errors.join('\n'));
     await new Promise((done) => setTimeout(done, 10));
   }
-  engine.beginFrame();
-  scene.render();
-  engine.endFrame();
+  drawFrame(engine, scene);
 }
 
 // Returns the pixels of an internal texture of the engine, beginning with the first row in memory.
@@ -103,9 +107,7 @@ async function drawnByGraph({ engine, scene, camera, subject }, options, bokehSc
   bokeh.focusOn(subject.position);
   bokeh.setLens(1.4, bokehScale);
   await graph.buildAsync();
-  engine.beginFrame();
-  scene.render();
-  engine.endFrame();
+  drawFrame(engine, scene);
   const canvas = await new Promise((done) => engine.getRenderingCanvas().toBlob(done));
   const read = (handle, channels) => pixels(engine, graph.textureManager.getTextureFromHandle(handle), channels);
   const written = [];
@@ -156,9 +158,7 @@ export async function unblurred(kind) {
     render.apply(quad, given);
   };
   const frame = async () => {
-    engine.beginFrame();
-    scene.render();
-    engine.endFrame();
+    drawFrame(engine, scene);
     return base64(await pixels(engine, tone.inputTexture.texture, 4));
   };
   sample.bokeh.setLens(2.8, 0);
@@ -210,20 +210,14 @@ async function probed(sample) {
   return { drawn, met, nearer, focus: bokeh.uniforms.focusDistance };
 }
 
-// Draws the debug views. Returns { focus, maxCoC, depth, coc: rgba with the CoC in a, views: { 1: rgba, 2: rgba,
-// 3: rgba } }.
+// Draws the debug views, for viewsOf.
 export async function views(kind) {
   const sample = await stopped(kind);
-  const found = { views: {} };
-  for (const [mode, view] of [undefined, 'depth', 'coc', 'focus'].entries()) {
-    await draw(sample, { view, opaque: false }, [WIDTH, HEIGHT]);
-    const { depth, result } = await readFrame(sample);
+  return viewsOf(async (mode) => {
+    await draw(sample, { view: [undefined, 'depth', 'coc', 'focus'][mode], opaque: false }, [WIDTH, HEIGHT]);
     const { focusDistance, maxCoC } = sample.bokeh.uniforms;
-    Object.assign(found, { focus: focusDistance, maxCoC, depth: base64(depth) });
-    if (mode === 0) found.coc = base64(result);
-    else found.views[mode] = base64(result);
-  }
-  return found;
+    return { ...(await readFrame(sample)), focus: focusDistance, maxCoC };
+  });
 }
 
 // Tests the sample's own keys and clicks. Returns the focus distance before, after a drag that ends on the box, and

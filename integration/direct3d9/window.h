@@ -51,23 +51,17 @@ static void pull_focus(float seconds)
     parameters.FocusDistance = pulled_focus(parameters.FocusDistance, aimed, seconds, PULL_SECONDS);
 }
 
-/* Aims the autofocus at a pixel and pulls the focus for NUM_PULLED frames. Returns what the tests compare. */
-static CapturedPull pulled_to(int x, int y)
-{
-    CapturedPull pulled = {x, y, 1.0f / 30.0f, PULL_SECONDS, parameters.FocusDistance, {0}, {0}};
-    aim_at(x, y);
-    memcpy(pulled.depths, aimed, sizeof aimed);
-    for (int i = 0; i < NUM_PULLED; i++) {
-        pull_focus(pulled.frame);
-        pulled.distances[i] = parameters.FocusDistance;
-    }
-    return pulled;
-}
+/* A click focuses. If the mouse moves by more than CLICK pixels between press and release, it drags instead. */
+enum { CLICK = 5 };
 
 static LRESULT CALLBACK on_message(HWND owner, UINT message, WPARAM w, LPARAM l)
 {
-    if (message == WM_LBUTTONDOWN)
-        aim_at(GET_X_LPARAM(l) / ZOOM, GET_Y_LPARAM(l) / ZOOM);
+    static int x, y;
+    if (message == WM_LBUTTONDOWN) {
+        x = GET_X_LPARAM(l);
+        y = GET_Y_LPARAM(l);
+    } else if (message == WM_LBUTTONUP && abs(GET_X_LPARAM(l) - x) <= CLICK && abs(GET_Y_LPARAM(l) - y) <= CLICK)
+        aim_at(x / ZOOM, y / ZOOM);
     else if (message == WM_KEYDOWN && w >= '1' && w < '1' + NUM_SHOTS)
         shot = &SHOTS[w - '1'];
     else if (message == WM_KEYDOWN && w == 'D')
@@ -77,6 +71,25 @@ static LRESULT CALLBACK on_message(HWND owner, UINT message, WPARAM w, LPARAM l)
     else
         return DefWindowProcA(owner, message, w, l);
     return 0;
+}
+
+/* Clicks on a pixel and pulls the focus for NUM_PULLED frames. Returns what the tests compare. */
+static CapturedPull pulled_to(int x, int y)
+{
+    CapturedPull pulled = {x, y, 1.0f / 30.0f, PULL_SECONDS, parameters.FocusDistance, {0}, {0}};
+    const LPARAM place = MAKELPARAM(x * ZOOM, y * ZOOM);
+    memcpy(pulled.depths, aimed, sizeof aimed);
+    on_message(window, WM_LBUTTONDOWN, 0, 0);
+    on_message(window, WM_LBUTTONUP, 0, place);
+    check(memcmp(pulled.depths, aimed, sizeof aimed) ? E_FAIL : S_OK, "a drag, which must not aim,");
+    on_message(window, WM_LBUTTONDOWN, 0, place);
+    on_message(window, WM_LBUTTONUP, 0, place);
+    memcpy(pulled.depths, aimed, sizeof aimed);
+    for (int i = 0; i < NUM_PULLED; i++) {
+        pull_focus(pulled.frame);
+        pulled.distances[i] = parameters.FocusDistance;
+    }
+    return pulled;
 }
 
 static void make_window(const char *title)

@@ -4,6 +4,7 @@
 -- beginning with v = 0. capture.json describes them, and contains the distances of the autofocus.
 
 local ffi = require("ffi")
+local PolygonBokeh = require("polygon_bokeh")
 local Scene = require("scene")
 
 -- A size that 2, 4 and 8 do not divide, because layered has canvases of 1 / 2, 1 / 4 and 1 / 8 of the size
@@ -95,6 +96,11 @@ return function(folder, addBokeh)
   local off = addBokeh(scene, {})
   off:setLens(scene.fieldOfView, 2.8, 0)
   assert(off:draw(scene.color, scene.depth) == scene.color, "a bokeh scale of 0 draws passes")
+  local depthAt = PolygonBokeh.depthAt
+  PolygonBokeh.depthAt = error -- a drag must not read a depth
+  love.mousepressed(100, 100)
+  love.mousereleased(106, 100)
+  PolygonBokeh.depthAt = depthAt
   write(folder .. "/color.f16", scene.color)
   local stored = bokeh:newPass({ { "metres" }, 1, "vec4(BokehFetchDepth(depth, uv).x)" })
   bokeh:drawPasses({ stored })

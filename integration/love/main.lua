@@ -5,7 +5,9 @@ local PolygonBokeh = require("polygon_bokeh")
 local Scene = require("scene")
 
 local VIEWS = { ["1"] = "depth", ["2"] = "coc", ["3"] = "focus" }
-local scene, bokeh, tone, focus
+-- If the mouse moves by more pixels between press and release, it drags instead of clicking
+local CLICK = 5
+local scene, bokeh, tone, focus, pressed
 
 -- The last step: tone mapping, and the encoding for the screen
 local TONE_MAPPING = [[
@@ -50,6 +52,7 @@ local function writePicture(path)
   show(bokeh:draw(scene.color, scene.depth), 1, 0)
   local octagon = addBokeh(scene, { sides = 8 })
   love.mousepressed(262, 125)
+  love.mousereleased(262, 125)
   octagon:pullFocus(math.huge, focus, 0.2) -- the focus jumps to its target
   show(octagon:draw(scene.color, scene.depth), 1, 1)
   love.keypressed("3")
@@ -100,9 +103,15 @@ function love.draw()
   love.graphics.setShader()
 end
 
--- A click focuses on the nearest of three points.
 function love.mousepressed(x, y)
-  focus = { bokeh:depthAt(x - 4, y), bokeh:depthAt(x, y), bokeh:depthAt(x + 4, y) }
+  pressed = { x, y }
+end
+
+-- A click focuses on the nearest of three points.
+function love.mousereleased(x, y)
+  if pressed and math.max(math.abs(x - pressed[1]), math.abs(y - pressed[2])) <= CLICK then
+    focus = { bokeh:depthAt(x - 4, y), bokeh:depthAt(x, y), bokeh:depthAt(x + 4, y) }
+  end
 end
 
 function love.keypressed(key)

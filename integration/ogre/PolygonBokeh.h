@@ -142,7 +142,7 @@ public:
         {"BokehDepthWidth", 1.0f}, {"BokehDepthHeight", 1.0f},
     };
 
-    // Adds the effect to a viewport. The destructor removes it.
+    // Adds the effect to a viewport that has a camera, with the default lens: see setLens. The destructor removes it.
     //
     // library  the texts of bokeh.glsl, bokeh_layers.glsl, bokeh_lens.glsl and bokeh_passes.glsl, joined in
     //          this order
@@ -166,7 +166,7 @@ public:
         }
         mInstance = compositors.addCompositor(viewport, mName, 0);
         mInstance->addListener(this);
-        mInstance->setEnabled(true);
+        setLens(viewport->getCamera()); // also enables the compositor
     }
 
     ~PolygonBokeh()

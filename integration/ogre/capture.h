@@ -82,13 +82,14 @@ inline void capture(const std::string& folder, Ogre::Viewport* viewport,
         const std::string name = method + "-" + aperture + (clockwise ? "-rotated" : "") + (focused ? "-focused" : "");
         const bool layered = method == "layered";
         const auto bokeh = make(layered ? PolygonBokeh::layered(sides) : PolygonBokeh::exact(sides));
-        bokeh->uniforms["BokehAngle"] = Ogre::Degree(clockwise).valueRadians();
+        auto& uniforms = bokeh->uniforms;
+        uniforms["BokehAngle"] = Ogre::Degree(clockwise).valueRadians();
         if (focused)
         {
-            bokeh->uniforms["BokehNearScale"] = 0.5f;
-            bokeh->uniforms["BokehFarScale"] = 0.75f;
-            bokeh->uniforms["BokehNearMaxCoC"] = 0.02f;
-            bokeh->uniforms["BokehFarMaxCoC"] = 0.03f;
+            uniforms["BokehNearScale"] = 0.5f;
+            uniforms["BokehFarScale"] = 0.75f;
+            uniforms["BokehNearMaxCoC"] = 0.02f;
+            uniforms["BokehFarMaxCoC"] = 0.03f;
         }
         viewport->getTarget()->update();
         const std::string result = bytesOf(tone->getTextureInstance("picture", 0));
@@ -111,7 +112,6 @@ inline void capture(const std::string& folder, Ogre::Viewport* viewport,
         }
         if (focused)
         {
-            auto& uniforms = bokeh->uniforms;
             shots += ", \"focus\": {\"scale\": [" + number(uniforms["BokehNearScale"]) + ", " +
                 number(uniforms["BokehFarScale"]) + "], \"limits\": [" + number(uniforms["BokehNearMaxCoC"]) + ", " +
                 number(uniforms["BokehFarMaxCoC"]) + "]}";
@@ -119,7 +119,6 @@ inline void capture(const std::string& folder, Ogre::Viewport* viewport,
         shots += (clockwise ? ", \"clockwise\": " + number(clockwise) : "") + "}";
         write(folder + "/color.f16", bytesOf(bokeh->texture("color")));
         write(folder + "/depth.f32", bytesOf(bokeh->texture("depth")));
-        auto& uniforms = bokeh->uniforms;
         camera = "\"aperture_diameter\": " + number(uniforms["BokehApertureDiameter"]) +
             ", \"focal_length\": " + number(uniforms["BokehFocalLength"]) +
             ", \"focus_distance\": " + number(uniforms["BokehFocusDistance"]) +

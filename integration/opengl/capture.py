@@ -23,7 +23,7 @@ def main(folder):
     renderer.draw()
     focus = focus_on(BALL)
     shots = []
-    for name, table in captures.SHOTS.items():
+    for name, table in captures.shots().items():
         passes, result = depth_of_field(context, renderer.color, renderer.depth, table)
         angle = captures.angle(name)
         for step in passes:

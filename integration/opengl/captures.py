@@ -1,4 +1,4 @@
-"""What the captures of OpenGL and raylib share. For validation/run engines only: your renderer does not need this file.
+"""What the captures of OpenGL, raylib and Panda3D share. Only validation/run engines needs it, your renderer does not.
 
 A capture is a folder with color.f16, depth.f32 (the values of the depth buffer), metres.f32, a .f16 file with the
 result of each shot, and a .written file with all targets of each layered shot. All of these contain raw rows, beginning
@@ -8,20 +8,24 @@ at v = 0. capture.json describes them.
 import json
 from math import radians
 
-from apertures import EXACT_HEXAGON, EXACT_OCTAGON, OCTAGON, PAPER_HEXAGON, PAPER_OCTAGON
-from depth_of_field import HEXAGON
-
-SHOTS = {
-    "layered-hexagon": HEXAGON,
-    "layered-octagon": OCTAGON,
-    "exact-hexagon": EXACT_HEXAGON,
-    "exact-octagon": EXACT_OCTAGON,
-    "exact-octagon-rotated": EXACT_OCTAGON,
-    "paper-hexagon": PAPER_HEXAGON,
-    "paper-octagon": PAPER_OCTAGON,
-}
 # Rotation in degrees of the shot whose name ends with "rotated"
 CLOCKWISE = 10.0
+
+
+def shots():
+    """Return shot -> passes, for samples with tables of passes (Panda3D's has none)."""
+    from apertures import EXACT_HEXAGON, EXACT_OCTAGON, OCTAGON, PAPER_HEXAGON, PAPER_OCTAGON
+    from depth_of_field import HEXAGON
+
+    return {
+        "layered-hexagon": HEXAGON,
+        "layered-octagon": OCTAGON,
+        "exact-hexagon": EXACT_HEXAGON,
+        "exact-octagon": EXACT_OCTAGON,
+        "exact-octagon-rotated": EXACT_OCTAGON,
+        "paper-hexagon": PAPER_HEXAGON,
+        "paper-octagon": PAPER_OCTAGON,
+    }
 
 
 def angle(name):

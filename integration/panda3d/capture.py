@@ -1,10 +1,8 @@
 """For validation/run engines, not for your program: writes what the shaders read and wrote into a folder.
 
-color.f16, depth.f32, metres.f32, a .f16 file for each shot, and the targets of the shots with layered (.written) are
-raw rows, beginning with v = 0. capture.json describes them.
+../opengl/captures.py says what it writes.
 """
 
-import json
 import sys
 from array import array
 from math import radians
@@ -16,11 +14,14 @@ from bokeh_panda3d import DepthOfField
 from panda3d.core import PandaSystem
 from sample import frames, start
 
+# at the end, because another module of that folder has the name of the one here
+sys.path.append(str(Path(__file__).resolve().parent.parent / "opengl"))
+import captures  # noqa: E402
+
 SIDES = {"hexagon": 6, "octagon": 8}
 SHOTS = ("layered-hexagon", "layered-octagon", "exact-hexagon", "exact-octagon", "paper-hexagon", "paper-octagon")
-# Shots to draw a second time, rotated by CLOCKWISE degrees
+# Shots to draw a second time, rotated
 ROTATED = ("exact-octagon-rotated", "paper-hexagon-rotated")
-CLOCKWISE = 10.0
 # A shot to draw a second time, with a weaker and limited blur
 FOCUSED = ("exact-hexagon-focus",)
 CONTROLS = {"BokehNearScale": 0.5, "BokehFarScale": 0.75, "BokehNearMaxCoC": 0.02, "BokehFarMaxCoC": 0.03}
@@ -43,16 +44,6 @@ def pixels(base, texture, kind):
     return packed
 
 
-def pull(effect, depths):
-    """Run the autofocus frame by frame. Return its inputs and the focus distances."""
-    found = {"frame": 1 / 30, "seconds": 0.2, "from": effect.focus_distance, "distances": []}
-    found["points"] = [[(x + 0.5) / scene.SIZE[0], (y + 0.5) / scene.SIZE[1], depth] for (x, y), depth in depths.items()]
-    for _ in range(12):
-        effect.pull_focus(depths.values(), found["frame"], found["seconds"])
-        found["distances"].append(effect.focus_distance)
-    return found
-
-
 def main(folder):
     """Draw all shots of the same frame, focused on the panda, and write them to the folder."""
     base = start()
@@ -64,25 +55,16 @@ def main(folder):
     defaults = dict(effect.parameters)
     for name in SHOTS + FOCUSED + ROTATED:
         method, aperture = name.split("-")[:2]
-        effect.rotation = radians(CLOCKWISE) if name in ROTATED else 0.0
+        effect.rotation = radians(captures.CLOCKWISE) if name in ROTATED else 0.0
         effect.parameters.update(CONTROLS if name in FOCUSED else defaults)
         effect.change(method, SIDES[aperture])
         frames(base)
-        shot = {"name": name, "method": method, "aperture": aperture, "result": f"{name}.f16"}
-        if name in ROTATED:
-            shot["clockwise"] = CLOCKWISE
+        written = [target for _, _, targets in effect.passes for target in targets] if method == "layered" else []
+        result, *targets = (pixels(base, target, "e") for target in [effect.textures["result"], *written])
+        shots.append(captures.write_shot(folder, name, result, targets))
         if name in FOCUSED:
             near_scale, far_scale, *limits = CONTROLS.values()
-            shot["focus"] = {"scale": [near_scale, far_scale], "limits": limits}
-        (folder / shot["result"]).write_bytes(pixels(base, effect.textures["result"], "e"))
-        if method == "layered":
-            shot["written"] = f"{name}.written"
-            targets = [target for _, _, written in effect.passes for target in written]
-            (folder / shot["written"]).write_bytes(b"".join(pixels(base, target, "e") for target in targets))
-        if method == "paper":
-            # the reference has no presets for paper: give it the samples and the spacing of MEDIUM
-            shot |= {"depth": "metres.f32", "stored": None, "samples": 9, "spacing": 1.5}
-        shots.append(shot)
+            shots[-1]["focus"] = {"scale": [near_scale, far_scale], "limits": limits}
     effect.bokeh_scale = 0.0
     frames(base)
     shown = effect.quad.getShaderInput("image").getTexture()
@@ -92,25 +74,19 @@ def main(folder):
     (folder / "color.f16").write_bytes(pixels(base, effect.textures["color"], "e"))
     (folder / "depth.f32").write_bytes(pixels(base, effect.textures["depth"], "f"))
     (folder / "metres.f32").write_bytes(pixels(base, effect.textures["metres"], "f"))
-    capture = {
+
+    def pull_focus(_, depths, seconds, tau):
+        effect.pull_focus(depths, seconds, tau)
+        return effect.focus_distance
+
+    focus, depths = effect.focus_distance, {(x, y): effect.depth_at(x, y) for x, y in POINTS}
+    more = {
         "engine": f"Panda3D {PandaSystem.getVersionString()}",
         "device": base.win.getGsg().getDriverRenderer(),
-        "width": scene.SIZE[0],
-        "height": scene.SIZE[1],
-        "color": "color.f16",
-        "depth": "depth.f32",
-        "stored": {"kind": 1, "near": scene.NEAR, "far": scene.FAR},
-        "camera": {
-            "aperture_diameter": effect.values["BokehApertureDiameter"],
-            "focal_length": effect.values["BokehFocalLength"],
-            "focus_distance": effect.focus_distance,
-            "sensor_height": effect.sensor_height,
-            "max_coc": effect.parameters["BokehMaxCoC"],
-        },
-        "pull": pull(effect, {(x, y): effect.depth_at(x, y) for x, y in POINTS}),
+        "pull": captures.pull(pull_focus, scene.SIZE, focus, depths),
         "shots": shots,
     }
-    (folder / "capture.json").write_text(json.dumps(capture, indent=1), encoding="utf-8")
+    captures.write_description(folder, scene.SIZE, (scene.NEAR, scene.FAR), effect.values, focus, more)
 
 
 if __name__ == "__main__":

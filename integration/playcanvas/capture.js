@@ -6,7 +6,7 @@ import { PROJECTION_ORTHOGRAPHIC, PROJECTION_PERSPECTIVE } from 'playcanvas';
 import { RESOLUTION_FIXED, SSAOTYPE_LIGHTING, Vec3, version } from 'playcanvas';
 import { addBokeh, app, box, camera, depthsUnder, frame as first, subject } from './sample.js';
 import { addShot, base64, cameraOf, HEIGHT, ODD_SIZE, pulledTo } from '../web/test/captures.js';
-import { SHAPES, shotsOf, SIZE, sizeOf, uniformsOf, WIDTH } from '../web/test/captures.js';
+import { SHAPES, shotsOf, SIZE, sizeOf, uniformsOf, viewsOf, WIDTH } from '../web/test/captures.js';
 
 // Draws a frame with a new PolygonBokehFrame, which the next call destroys. change(frame) is called before it is drawn.
 let last = first;
@@ -134,19 +134,13 @@ function meets(x, y) {
   return -camera.viewMatrix.transformPoint(there).z;
 }
 
-// Draws the debug views. Returns { focus, maxCoC, depth, coc: rgba with the CoC in a, views: { 1: rgba, 2: rgba,
-// 3: rgba } }.
-export async function views() {
-  const found = { views: {} };
-  for (const mode of [0, 1, 2, 3]) {
+// Draws the debug views, for viewsOf.
+export function views() {
+  return viewsOf(async (mode) => {
     const frame = await draw({ opaque: false }, [WIDTH, HEIGHT], (changed) => (changed.debugMode = mode));
-    const [depth, { result }] = [await metresOf(frame), await read(frame)];
     const { focusDistance, maxCoC } = frame.uniforms;
-    Object.assign(found, { focus: focusDistance, maxCoC, depth: base64(depth) });
-    if (mode === 0) found.coc = base64(result);
-    else found.views[mode] = base64(result);
-  }
-  return found;
+    return { result: (await read(frame)).result, depth: await metresOf(frame), focus: focusDistance, maxCoC };
+  });
 }
 
 // Other effects of the camera frame, which effects() turns on one at a time

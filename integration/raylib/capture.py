@@ -34,7 +34,7 @@ def main(folder):
     scene.draw()
     focus = focus_on(DRUM)
     shots = []
-    for name, table in captures.SHOTS.items():
+    for name, table in captures.shots().items():
         passes, result = depth_of_field(scene.color, scene.depth, table)
         for step in passes:
             step.draw(BokehFocusDistance=focus, BokehAngle=captures.angle(name), **PARAMETERS, **PAPER)

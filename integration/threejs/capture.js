@@ -2,7 +2,7 @@
 
 import { OrthographicCamera, Raycaster, REVISION, Vector2 } from 'three';
 import { addShot, base64, cameraOf, HEIGHT, pulledTo } from '../web/test/captures.js';
-import { SHAPES, shotsOf, SIZE, sizeOf, uniformsOf, WIDTH } from '../web/test/captures.js';
+import { SHAPES, shotsOf, SIZE, sizeOf, uniformsOf, viewsOf, WIDTH } from '../web/test/captures.js';
 
 // The same functions for each sample:
 //   draw(options, size, changes)  draws a frame and returns it, { bokeh, ... }; `changes` are another camera, renderer,
@@ -225,25 +225,19 @@ export async function logarithmic(kind) {
   sample.draw({}, [WIDTH, HEIGHT], { camera: sample.camera.clone(), renderer });
 }
 
-// Draws the debug views. Returns { focus, maxCoC, depth, coc: rgba with the CoC in a, views: { 1: rgba, 2: rgba,
-// 3: rgba } }.
+// Draws the debug views, for viewsOf.
 export async function views(kind) {
   const sample = await samples[kind]();
   const { depth } = await sample.read(sample.draw({ method: 'paper' }, [WIDTH, HEIGHT]));
-  const found = { depth: base64(depth), views: {} };
-  for (const mode of [0, 1, 2, 3]) {
+  return viewsOf(async (mode) => {
     const frame = sample.draw({ opaque: false }, [WIDTH, HEIGHT], { mode });
-    const { result } = await sample.read(frame);
     const { focusDistance, maxCoC } = frame.bokeh.uniforms;
-    Object.assign(found, { focus: focusDistance.value, maxCoC: maxCoC.value });
-    if (mode === 0) found.coc = base64(result);
-    else found.views[mode] = base64(result);
-  }
-  return found;
+    return { depth, result: (await sample.read(frame)).result, focus: focusDistance.value, maxCoC: maxCoC.value };
+  });
 }
 
 // Tests the sample's own keys and clicks. Returns the focus distance before, after a drag that ends on the box, and
-// after a click on the box through a hidden object; the depth of the box; and the debug mode after a key was pressed.
+// after a click on the box through two hidden ones; the depth of the box; and the debug mode after a key was pressed.
 export async function interaction(kind) {
   const { renderer, camera, scene, bokeh, focus } = await samples[kind]();
   const box = scene.children.find((child) => child.geometry?.type === 'BoxGeometry');
@@ -256,13 +250,14 @@ export async function interaction(kind) {
   domElement.dispatchEvent(new MouseEvent('click', place));
   const dragged = focus.pulling ? NaN : bokeh.uniforms.focusDistance.value;
   domElement.dispatchEvent(new PointerEvent('pointerdown', { ...place, clientX: place.clientX + 4 }));
-  const hidden = box.clone();
+  const [hidden, unseen] = [box.clone(), box.clone()];
   hidden.visible = false;
-  hidden.position.lerp(camera.position, 0.5);
-  scene.add(hidden);
-  hidden.updateWorldMatrix(true, false);
+  unseen.material = Array(6).fill(Object.assign(box.material.clone(), { visible: false })); // one for each side
+  scene.add(hidden, unseen);
+  for (const one of [hidden, unseen]) one.position.lerp(camera.position, 0.5);
+  scene.updateMatrixWorld();
   domElement.dispatchEvent(new MouseEvent('click', place));
-  scene.remove(hidden);
+  scene.remove(hidden, unseen);
   while (focus.pulling) await new Promise(requestAnimationFrame);
   dispatchEvent(new KeyboardEvent('keydown', { key: '2' }));
   const { focusDistance, debugMode } = bokeh.uniforms;

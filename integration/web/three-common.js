@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
 //
-// The methods for lens and focus that PolygonBokehPass and PolygonBokehNode share. Each of them passes in the classes
-// of the three.js build that it imports.
+// The methods for options, lens and focus that PolygonBokehPass and PolygonBokehNode share. Each of them passes in the
+// classes of the three.js build that it imports.
 
-import { CHOICES, diameter, pulled } from './common.js';
+import { CHOICES, checked, diameter, pulled } from './common.js';
 
 // FloatType of three.js. Only the target `metres` has it, as R32F; all others are RGBA16F.
 const FLOAT = 1015;
@@ -12,14 +12,43 @@ const FLOAT = 1015;
 const CLICK = 5;
 
 // Returns whether an object and all its parents are visible: rays of three.js also hit hidden objects.
-const isSeen = (object) => !object || (object.visible && isSeen(object.parent));
+const isVisible = (object) => !object || (object.visible && isVisible(object.parent));
+// Returns the same of what a ray has hit, which may also have a hidden material.
+const isSeen = ({ object, face }) => isVisible(object) && [object.material].flat()[face?.materialIndex ?? 0]?.visible !== false;
+
+// Draws the objects of a layer into the current render target, over what is there. Also puts the lights on the layer.
+export function drawLayer(renderer, scene, camera, layer) {
+  const { background } = scene;
+  const { mask } = camera.layers;
+  scene.traverse((object) => object.isLight && object.layers.enable(layer));
+  scene.background = null;
+  camera.layers.set(layer);
+  renderer.render(scene, camera);
+  camera.layers.mask = mask;
+  Object.assign(scene, { background });
+}
 
 // The options of three.js. PolygonBokehPass and PolygonBokehNode each add one more.
 //   alpha  true: alpha is blurred too, for a transparent canvas, and colour must be premultiplied; takes twice as long
 export const THREE_CHOICES = { ...CHOICES, alpha: [false, true] };
 
-export const withLens = (Base, { Raycaster, Vector2, Vector3 }) =>
+// `name` and `choices` are those of the class, for checked().
+export const withLens = (Base, { name, choices }, { Raycaster, Vector2, Vector3 }) =>
   class extends Base {
+    checked = (options) => checked(name, options, choices);
+
+    // Changes some of the constructor's options. The promise resolves when the new shaders are compiled: the next frame
+    // is drawn with the new options. Until then, frames look as before. It rejects if an option is invalid.
+    async change(options) {
+      const made = this.made(this.checked({ ...this.options, ...options }));
+      this.resize(made.passes);
+      this.changing = made;
+      if (this.renderer) await this.compile(made);
+      // the new passes replace the old ones, unless another change has begun in the meantime: then drop the new ones
+      this.discard(this.changing === made ? this : made);
+      if (this.changing === made) Object.assign(this, made);
+    }
+
     // common.d.ts describes this method, and pullFocus().
     setLens(fStop = 2.8, bokehScale = 10) {
       const { apertureDiameter, focalLength, sensorHeight } = this.uniforms;
@@ -54,7 +83,7 @@ export const withLens = (Base, { Raycaster, Vector2, Vector3 }) =>
       const caster = new Raycaster();
       return points.map(([x, y]) => {
         caster.setFromCamera(new Vector2(x, y), this.camera);
-        const hit = caster.intersectObjects(scene.children).find(({ object }) => isSeen(object));
+        const hit = caster.intersectObjects(scene.children).find(isSeen);
         return hit ? this.depthOf(hit.point) : Infinity;
       });
     }

@@ -53,7 +53,6 @@ ${text.slice(0, text.lastIndexOf('}'))}
 // scene a second time to fill it. Each pixel of a transparent surface is then blurred as if it lay between the surface
 // and the background: the more opaque the surface is, the nearer to the surface.
 export function depthWithOpacity(renderPass) {
-  const { render, dispose } = renderPass;
   const target = new WebGLRenderTarget(1, 1, FORMAT);
   const planes = { value: new Vector3() };
   const materials = new Map();
@@ -76,7 +75,6 @@ export function depthWithOpacity(renderPass) {
     shadowMap.autoUpdate = false;
     renderer.autoClear = true;
     renderer.setClearColor(0, 0);
-    renderer.setRenderTarget(target);
     try {
       for (const [object, material] of objects) object.material = of(material);
       renderer.render(scene, camera);
@@ -89,13 +87,21 @@ export function depthWithOpacity(renderPass) {
     }
   }
 
+  return drawnAfter(renderPass, target, draw, () => materials.values());
+}
+
+// Draws into a target each time after a RenderPass, and returns the target's texture. owned() returns what is disposed
+// of together with the pass.
+export function drawnAfter(renderPass, target, draw, owned) {
+  const { render, dispose } = renderPass;
   renderPass.render = (renderer, writeBuffer, readBuffer, ...others) => {
     render.call(renderPass, renderer, writeBuffer, readBuffer, ...others);
     target.setSize(readBuffer.width, readBuffer.height);
-    draw(renderer);
+    renderer.setRenderTarget(target);
+    draw(renderer, readBuffer);
   };
   renderPass.dispose = () => {
-    for (const own of [target, ...materials.values()]) own.dispose();
+    for (const own of [target, ...owned()]) own.dispose();
     dispose.call(renderPass);
   };
   return target.texture;

@@ -6,12 +6,12 @@
 import { FloatType, GLSL3, Group, HalfFloatType, Mesh, NearestFilter, NoBlending, PlaneGeometry, RGFormat } from 'three';
 import { Raycaster, RedFormat, ShaderMaterial, Vector2, Vector3, WebGLRenderTarget } from 'three';
 import { FullScreenQuad } from 'three/addons/postprocessing/Pass.js';
-import { checked, uniformsOf } from './common.js';
+import { uniformsOf } from './common.js';
 import { METRES, UNBLURRED, clockwise, declared, frame, library, stored, views } from './frames.js';
 import { GLSL } from './shaders.js';
 import { THREE_CHOICES, withLens } from './three-common.js';
 
-const CHOICES = { ...THREE_CHOICES, depthTexture: undefined };
+const CLASS = { name: 'PolygonBokehPass', choices: { ...THREE_CHOICES, depthTexture: undefined } };
 
 const VERTEX = `
 out vec2 bokehUv;
@@ -43,7 +43,7 @@ void main()
 export const FLOAT = { type: FloatType, format: RedFormat, minFilter: NearestFilter, magFilter: NearestFilter };
 
 export const withPasses = (Base) =>
-  class extends withLens(Base, { Raycaster, Vector2, Vector3 }) {
+  class extends withLens(Base, CLASS, { Raycaster, Vector2, Vector3 }) {
     // camera          the camera that draws the scene
     // options         see common.d.ts; throws an Error if one of them is invalid. Two more options:
     //   alpha         see three-common.js
@@ -51,7 +51,7 @@ export const withPasses = (Base) =>
     constructor(camera, options) {
       super('PolygonBokehPass');
       this.camera = camera;
-      this.options = checked('PolygonBokehPass', options, CHOICES);
+      this.options = this.checked(options);
 
       // The settings, which you may change in every frame: lengths in metres, maxCoC as a fraction of the image height,
       // and rotation in radians, clockwise on the screen. common.d.ts describes all of them.
@@ -104,27 +104,18 @@ export const withPasses = (Base) =>
       return { options, textures, passes, views: shown, beforeView, copy };
     }
 
-    // Changes some of the constructor's options. The promise resolves when the new shaders are compiled: the next frame
-    // is drawn with the new options. Until then, frames look as before. It rejects if an option is invalid.
-    async change(options) {
-      const made = this.made(checked('PolygonBokehPass', { ...this.options, ...options }, CHOICES));
-      this.resize(made.passes);
+    // Compiles the shaders of passes.
+    async compile({ passes }) {
       const { renderer } = this;
-      this.changing = made;
-      if (renderer) {
-        const quads = new Group();
-        // without normals, like the geometry of FullScreenQuad: with normals, three.js would compile another program
-        const geometry = new PlaneGeometry(2, 2).deleteAttribute('normal');
-        for (const { material } of made.passes) quads.add(new Mesh(geometry, material));
-        const before = renderer.getRenderTarget();
-        renderer.setRenderTarget(made.passes[0].target); // a program for a target has no tone mapping and no sRGB
-        const compiled = renderer.compileAsync(quads, this.camera);
-        renderer.setRenderTarget(before);
-        await compiled;
-      }
-      // the new passes replace the old ones, unless another change has begun in the meantime: then drop the new ones
-      this.discard(this.changing === made ? this : made);
-      if (this.changing === made) Object.assign(this, made);
+      const quads = new Group();
+      // without normals, like the geometry of FullScreenQuad: with normals, three.js would compile another program
+      const geometry = new PlaneGeometry(2, 2).deleteAttribute('normal');
+      for (const { material } of passes) quads.add(new Mesh(geometry, material));
+      const before = renderer.getRenderTarget();
+      renderer.setRenderTarget(passes[0].target); // a program for a target has no tone mapping and no sRGB
+      const compiled = renderer.compileAsync(quads, this.camera);
+      renderer.setRenderTarget(before);
+      await compiled;
     }
 
     setSize(width, height) {

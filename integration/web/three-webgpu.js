@@ -7,12 +7,12 @@
 import { FloatType, HalfFloatType, NoBlending, Raycaster, RedFormat, Vector2, Vector3 } from 'three/webgpu';
 import { Node, NodeMaterial, NodeUpdateType, QuadMesh, RenderTarget, RendererUtils, VarNode } from 'three/webgpu';
 import { nodeObject, outputStruct, passTexture, rtt, sampler, texture, uniform, uv, vec4, wgsl, wgslFn } from 'three/tsl';
-import { checked, uniformsOf } from './common.js';
+import { uniformsOf } from './common.js';
 import { METRES, UNBLURRED, declared, frame, inWgsl, library, views } from './frames.js';
 import { WGSL } from './shaders.js';
-import { THREE_CHOICES, withLens } from './three-common.js';
+import { THREE_CHOICES, drawLayer, withLens } from './three-common.js';
 
-const CHOICES = { ...THREE_CHOICES, sharpLayer: undefined };
+const CLASS = { name: 'PolygonBokehNode', choices: { ...THREE_CHOICES, sharpLayer: undefined } };
 const TYPES = { depthKind: 'i32', imageSize: 'vec2f', uv: 'vec2f', Linear: 'sampler' };
 
 const WEBGL =
@@ -30,7 +30,8 @@ const SHARP =
   'options), draw the glass after the bokeh.';
 
 // Returns a material without blending: alpha is not opacity, but the circle of confusion or a layer's weight
-const material = (fragmentNode) => Object.assign(new NodeMaterial(), { fragmentNode, blending: NoBlending });
+const material = (fragmentNode) =>
+  Object.assign(new NodeMaterial(), { fragmentNode, blending: NoBlending, depthTest: false, depthWrite: false });
 let rendererState;
 
 const targetOf = (renderer) => [renderer.getRenderTarget(), renderer.getActiveCubeFace(), renderer.getActiveMipmapLevel()];
@@ -73,7 +74,7 @@ function samplesOf({ passNode, value }, renderer) {
   return value.renderTarget?.samples ?? 0;
 }
 
-export class PolygonBokehNode extends withLens(Node, { Raycaster, Vector2, Vector3 }) {
+export class PolygonBokehNode extends withLens(Node, CLASS, { Raycaster, Vector2, Vector3 }) {
   static get type() {
     return 'PolygonBokehNode';
   }
@@ -99,7 +100,7 @@ export class PolygonBokehNode extends withLens(Node, { Raycaster, Vector2, Vecto
     this.scenePass = isPass ? color : null;
     this.source = { color: textureOf(color), depth };
     this.ownCamera = camera;
-    this.options = checked('PolygonBokehNode', options, CHOICES);
+    this.options = this.checked(options);
     if (!isPass && this.options.sharpLayer !== undefined) throw new Error(SHARP);
 
     // The settings, which you may change in every frame: lengths in metres, maxCoC as a fraction of the image height,
@@ -115,6 +116,7 @@ export class PolygonBokehNode extends withLens(Node, { Raycaster, Vector2, Vecto
     // later nodes read this target, so change() keeps it
     this.result = new RenderTarget(1, 1, { type: HalfFloatType, depthBuffer: false });
     this.sharp = this.options.sharpLayer === undefined ? null : new RenderTarget(1, 1, { type: HalfFloatType });
+    this.underSharp = new QuadMesh(material(texture(this.result.texture)));
     Object.assign(this, this.made(this.options));
   }
 
@@ -160,23 +162,13 @@ export class PolygonBokehNode extends withLens(Node, { Raycaster, Vector2, Vecto
     });
   }
 
-  // Changes some of the constructor's options. The promise resolves when the new shaders are compiled: the next frame
-  // is drawn with the new options. Until then, frames look as before. It rejects if an option is invalid.
-  async change(options) {
-    const made = this.made(checked('PolygonBokehNode', { ...this.options, ...options }, CHOICES));
-    const { renderer } = this;
-    this.changing = made;
-    if (renderer) {
-      this.fill(made);
-      this.resize(made.passes);
-      for (const { target, quad } of made.passes) await this.compile(target, quad); // three.js compiles one at a time
-    }
-    // the new passes replace the old ones, unless another change has begun in the meantime: then drop the new ones
-    this.discard(this.changing === made ? this : made);
-    if (this.changing === made) Object.assign(this, made);
+  // Creates the materials of a frame, and compiles the shaders of its passes.
+  async compile(made) {
+    this.fill(made);
+    for (const { target, quad } of made.passes) await this.compileOne(target, quad); // three.js compiles one at a time
   }
 
-  compile(target, quad) {
+  compileOne(target, quad) {
     const { renderer } = this;
     const state = compilingOf(renderer);
     Object.assign(state, { calling: true, target: targetOf(renderer) });
@@ -275,27 +267,18 @@ export class PolygonBokehNode extends withLens(Node, { Raycaster, Vector2, Vecto
 
   // Copies the result, and draws the objects of the sharp layer over it, with the depth of the scene.
   drawSharp(renderer) {
-    const { sharp, camera } = this;
+    const { sharp, underSharp, camera } = this;
     const { scene, renderTarget } = this.scenePass;
     const { depthTexture, width, height } = renderTarget;
-    const { mask } = camera.layers;
-    const { background } = scene;
     sharp.setSize(width, height);
     if (sharp.depthTexture !== depthTexture) {
-      this.copy = new QuadMesh(material(texture(this.result.texture)));
-      Object.assign(this.copy.material, { depthTest: false, depthWrite: false });
       sharp.depthTexture = depthTexture;
       depthTexture.renderTarget = renderTarget; // which remains its owner
     }
-    scene.traverse((object) => object.isLight && object.layers.enable(this.options.sharpLayer));
     renderer.setRenderTarget(sharp);
     renderer.autoClear = false;
-    renderer.render(this.copy, this.copy.camera);
-    scene.background = null;
-    camera.layers.set(this.options.sharpLayer);
-    renderer.render(scene, camera);
-    camera.layers.mask = mask;
-    Object.assign(scene, { background });
+    renderer.render(underSharp, underSharp.camera);
+    drawLayer(renderer, scene, camera, this.options.sharpLayer);
   }
 
   // Size of the input: [width, height]
@@ -318,7 +301,7 @@ export class PolygonBokehNode extends withLens(Node, { Raycaster, Vector2, Vecto
 
   dispose() {
     this.discard(this);
-    for (const own of [this.result, this.sharp, this.copy?.material]) own?.dispose();
+    for (const own of [this.result, this.sharp, this.underSharp.material]) own?.dispose();
     super.dispose();
   }
 }

@@ -5,6 +5,8 @@
 
 import { AlwaysDepth, HalfFloatType, ShaderMaterial, WebGLRenderTarget } from 'three';
 import { FullScreenQuad, Pass } from 'three/addons/postprocessing/Pass.js';
+import { drawLayer } from './three-common.js';
+import { drawnAfter } from './three-opacity.js';
 import { FLOAT, withPasses } from './three-passes.js';
 
 const GIVE_DEPTH =
@@ -31,21 +33,13 @@ const copier = (options) =>
 // Returns a texture for the option depthTexture, with a copy of the depth that a RenderPass draws. You need it if there
 // are passes between the RenderPass and the bokeh, because they clear the depth.
 export function depthOf(renderPass) {
-  const { render, dispose } = renderPass;
   const target = new WebGLRenderTarget(1, 1, { ...FLOAT, depthBuffer: false });
   const quad = copier({ depthTest: false });
-  renderPass.render = (renderer, writeBuffer, readBuffer, ...others) => {
-    render.call(renderPass, renderer, writeBuffer, readBuffer, ...others);
-    target.setSize(readBuffer.width, readBuffer.height);
-    quad.material.uniforms.depth.value = readBuffer.depthTexture;
-    renderer.setRenderTarget(target);
+  const draw = (renderer, { depthTexture }) => {
+    quad.material.uniforms.depth.value = depthTexture;
     quad.render(renderer);
   };
-  renderPass.dispose = () => {
-    for (const own of [quad.material, quad, target]) own.dispose();
-    dispose.call(renderPass);
-  };
-  return target.texture;
+  return drawnAfter(renderPass, target, draw, () => [quad.material, quad]);
 }
 
 export { depthWithOpacity } from './three-opacity.js';
@@ -86,21 +80,13 @@ export class SharpPass extends Pass {
 
   render(renderer, writeBuffer, readBuffer) {
     const { scene, layer, bokeh } = this;
-    const { camera } = bokeh;
     const { autoClear } = renderer;
-    const { background } = scene;
-    const { mask } = camera.layers;
-    scene.traverse((object) => object.isLight && object.layers.enable(layer));
     const depth = bokeh.textures.depth.value;
     this.quad.material.uniforms.depth.value = depth;
     renderer.setRenderTarget(readBuffer);
     renderer.autoClear = false;
     if (readBuffer.depthTexture?.source !== depth.source) this.quad.render(renderer);
-    scene.background = null;
-    camera.layers.set(layer);
-    renderer.render(scene, camera);
-    Object.assign(scene, { background });
-    camera.layers.mask = mask;
+    drawLayer(renderer, scene, bokeh.camera, layer);
     renderer.autoClear = autoClear;
   }
 

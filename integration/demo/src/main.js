@@ -9,6 +9,7 @@ import data from "../data/page.json";
 const PULL = 0.12; // time constant in seconds: in this time, 1 / focus distance covers 63 % of its way to a new focus
 const SIDES = ["left", "right"];
 const IDLE = 500; // after so many milliseconds without a change, the page measures how long a frame takes
+const CLICK = 5; // a pointer that moves by more pixels between press and release drags instead of clicking
 const LENS = { stop: 2.8, scale: 10 }; // the default of every integration
 const byId = (id) => document.getElementById(id);
 
@@ -283,7 +284,12 @@ function listen() {
     point(event);
     after(tellUnder);
   });
-  canvas.addEventListener("click", (event) => current && focusAt(event));
+  let pressed = null;
+  canvas.addEventListener("pointerdown", ({ clientX, clientY }) => (pressed = [clientX, clientY]));
+  canvas.addEventListener("click", (event) => {
+    const moved = pressed ? Math.hypot(event.clientX - pressed[0], event.clientY - pressed[1]) : 0;
+    if (current && moved <= CLICK) focusAt(event);
+  });
   addEventListener("keydown", key);
   for (const kind of ["dragenter", "dragover", "dragleave", "drop"]) {
     addEventListener(kind, (event) => {

@@ -147,6 +147,11 @@ test("controls: sliders, lists, divider, a click that focuses, the readout, keys
   between(said.split, 0.24, 0.26, "the split, by finger,");
   assert.equal(said.focus, FOCUS);
 
+  await page.mouse.move(...at(600, 400));
+  await page.mouse.down();
+  await page.mouse.move(...at(700, 470), { steps: 3 });
+  await page.mouse.up();
+  assert.equal((await set({})).focus, FOCUS, "a drag has moved the focus");
   await set({}, { focus: 60 });
   await page.evaluate(hand.focuses);
   await page.mouse.click(...at(700, 470));

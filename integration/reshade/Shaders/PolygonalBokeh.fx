@@ -72,6 +72,14 @@ uniform float FocalLength <
     ui_category = "Lens"; ui_type = "slider"; ui_label = "Focal length (mm)"; ui_min = 10.0; ui_max = 300.0;
     ui_tooltip = "A longer focal length blurs more. The sensor is 24 mm high, so 50 mm sees 27 degrees vertically.";
 > = 50.0;
+uniform float NearScale <
+    ui_category = "Lens"; ui_type = "slider"; ui_label = "Near scale"; ui_min = 0.0; ui_max = 4.0;
+    ui_tooltip = "Multiplies the blur in front of the focus distance. 0 keeps everything there sharp.";
+> = 1.0;
+uniform float FarScale <
+    ui_category = "Lens"; ui_type = "slider"; ui_label = "Far scale"; ui_min = 0.0; ui_max = 4.0;
+    ui_tooltip = "Multiplies the blur behind the focus distance. 0 keeps everything there sharp.";
+> = 1.0;
 uniform float LargestBlurNear <
     ui_category = "Lens"; ui_type = "slider"; ui_label = "Largest blur, near (% of the height)"; ui_min = 0.0; ui_max = 20.0;
     ui_tooltip = "Limits the diameter of the blur in front of the focus distance. 0 keeps everything there sharp.";
@@ -178,13 +186,15 @@ float4 ColorAt(float2 uv)
     return float4(Expanded(tex2Dlod(ReShade::BackBuffer, float4(uv, 0.0, 0.0)).rgb), 1.0);
 }
 
-// Returns the signed CoC, limited in front of the focus and behind it
+// Returns the signed CoC, scaled and limited in front of the focus and behind it
 float CoCAt(float2 uv)
 {
     BokehLens lens = BokehMakeLens(0.001 * FocalLength / FStop * BokehScale, 0.001 * FocalLength,
         tex2Dlod(Focus, float4(0.5, 0.5, 0.0, 0.0)).r);
     lens.maxCoC = max(LargestBlurNear, LargestBlurFar) / 100.0;
-    return clamp(BokehSignedCoC(max(MetresAt(uv), 0.01), lens), -0.01 * LargestBlurNear, 0.01 * LargestBlurFar);
+    float coc = BokehSignedCoC(max(MetresAt(uv), 0.01), lens);
+    coc *= coc < 0.0 ? NearScale : FarScale;
+    return clamp(coc, -0.01 * LargestBlurNear, 0.01 * LargestBlurFar);
 }
 
 float4 MapPS(float4 position : SV_Position, float2 uv : TEXCOORD) : SV_Target

@@ -75,3 +75,16 @@ export function pulledTo(bokeh, focus, points, depths) {
   }
   return { frame, seconds, from, points: points.map((point, i) => [...point, depths[i]]), distances };
 }
+
+// Returns the debug views: { focus, maxCoC, depth, coc: rgba with the CoC in a, views: { 1: rgba, 2: rgba, 3: rgba } }.
+//   drawn(mode)  resolves with a frame in debug mode 0 to 3: { depth, result: rgba, focus, maxCoC }
+export async function viewsOf(drawn) {
+  const found = { views: {} };
+  for (const mode of [0, 1, 2, 3]) {
+    const { depth, result, focus, maxCoC } = await drawn(mode);
+    Object.assign(found, { focus, maxCoC, depth: base64(depth) });
+    if (mode === 0) found.coc = base64(result);
+    else found.views[mode] = base64(result);
+  }
+  return found;
+}

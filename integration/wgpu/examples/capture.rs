@@ -90,6 +90,19 @@ fn word(value: impl std::fmt::Debug) -> String {
     format!("{value:?}").to_lowercase()
 }
 
+fn empty(device: &Device, size: Extent3d, format: TextureFormat, usage: TextureUsages) -> Texture {
+    device.create_texture(&TextureDescriptor {
+        label: None,
+        size,
+        mip_level_count: 1,
+        sample_count: 1,
+        dimension: TextureDimension::D2,
+        format,
+        usage,
+        view_formats: &[],
+    })
+}
+
 fn uploaded(
     device: &Device,
     queue: &Queue,
@@ -98,16 +111,8 @@ fn uploaded(
     format: TextureFormat,
     file: &Path,
 ) -> Result<Texture, Box<dyn Error>> {
-    let texture = device.create_texture(&TextureDescriptor {
-        label: None,
-        size: Extent3d { width, height, depth_or_array_layers: 1 },
-        mip_level_count: 1,
-        sample_count: 1,
-        dimension: TextureDimension::D2,
-        format,
-        usage: TextureUsages::TEXTURE_BINDING | TextureUsages::COPY_DST,
-        view_formats: &[],
-    });
+    let size = Extent3d { width, height, depth_or_array_layers: 1 };
+    let texture = empty(device, size, format, TextureUsages::TEXTURE_BINDING | TextureUsages::COPY_DST);
     let data = fs::read(file)?;
     let row = Some(data.len() as u32 / height);
     let layout = TexelCopyBufferLayout { offset: 0, bytes_per_row: row, rows_per_image: None };
@@ -117,16 +122,8 @@ fn uploaded(
 
 /// Records a copy of a texture, and returns the texture that will hold the copy.
 fn copied(device: &Device, encoder: &mut CommandEncoder, texture: &Texture) -> Texture {
-    let copy = device.create_texture(&TextureDescriptor {
-        label: None,
-        size: texture.size(),
-        mip_level_count: 1,
-        sample_count: 1,
-        dimension: TextureDimension::D2,
-        format: texture.format(),
-        usage: TextureUsages::COPY_DST | TextureUsages::COPY_SRC,
-        view_formats: &[],
-    });
+    let usage = TextureUsages::COPY_DST | TextureUsages::COPY_SRC;
+    let copy = empty(device, texture.size(), texture.format(), usage);
     encoder.copy_texture_to_texture(texture.as_image_copy(), copy.as_image_copy(), texture.size());
     copy
 }

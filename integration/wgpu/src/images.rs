@@ -47,7 +47,7 @@ pub fn weighted_depth(device: &Device, queue: &Queue, width: u32, height: u32, t
 /// Panics if the device is lost.
 pub fn srgb(device: &Device, queue: &Queue, result: &Texture) -> Vec<u8> {
     let format = TextureFormat::Rgba8UnormSrgb;
-    let picture = texture(device, result.width(), result.height(), format, TextureUsages::RENDER_ATTACHMENT);
+    let picture = empty(device, result.width(), result.height(), format, TextureUsages::RENDER_ATTACHMENT);
     let mut encoder = device.create_command_encoder(&Default::default());
     let view = picture.create_view(&Default::default());
     let output = Output::new(device, format);
@@ -83,7 +83,7 @@ pub fn bytes(device: &Device, queue: &Queue, texture: &Texture) -> Vec<u8> {
     data.chunks(padded as usize).flat_map(|line| &line[..row as usize]).copied().collect()
 }
 
-fn texture(device: &Device, width: u32, height: u32, format: TextureFormat, usage: TextureUsages) -> Texture {
+pub(crate) fn empty(device: &Device, width: u32, height: u32, format: TextureFormat, usage: TextureUsages) -> Texture {
     device.create_texture(&TextureDescriptor {
         label: Some("bokeh"),
         size: Extent3d { width, height, depth_or_array_layers: 1 },
@@ -99,7 +99,7 @@ fn texture(device: &Device, width: u32, height: u32, format: TextureFormat, usag
 fn uploaded(device: &Device, queue: &Queue, width: u32, height: u32, format: TextureFormat, data: &[u8]) -> Texture {
     let row = width * format.block_copy_size(None).expect("the format must have a single aspect");
     assert_eq!(data.len(), row as usize * height as usize, "there must be {width} x {height} pixels");
-    let made = texture(device, width, height, format, TextureUsages::TEXTURE_BINDING | TextureUsages::COPY_DST);
+    let made = empty(device, width, height, format, TextureUsages::TEXTURE_BINDING | TextureUsages::COPY_DST);
     let layout = TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(row), rows_per_image: Some(height) };
     queue.write_texture(made.as_image_copy(), data, layout, made.size());
     made

@@ -260,12 +260,12 @@ impl Bokeh {
         let mut memory: HashMap<usize, Texture> = HashMap::new();
         let mut views: HashMap<&str, TextureView> = HashMap::new();
         views.insert("color", color.create_view(&Default::default()));
+        let usage = TextureUsages::RENDER_ATTACHMENT | TextureUsages::TEXTURE_BINDING;
         for pass in self.frame.passes {
             let scale = self.preset.scale(pass.scale);
+            let target = || images::empty(device, width.div_ceil(scale), height.div_ceil(scale), FORMAT, usage);
             for (name, number) in pass.writes.iter().zip(pass.memory) {
-                let texture = memory
-                    .entry(*number)
-                    .or_insert_with(|| target(device, width.div_ceil(scale), height.div_ceil(scale)));
+                let texture = memory.entry(*number).or_insert_with(target);
                 views.insert(name, texture.create_view(&Default::default()));
             }
         }
@@ -514,18 +514,5 @@ fn pipeline(device: &Device, shaders: &ShaderModule, pass: &Pass, constants: &[(
         }),
         multiview_mask: None,
         cache: None,
-    })
-}
-
-fn target(device: &Device, width: u32, height: u32) -> Texture {
-    device.create_texture(&TextureDescriptor {
-        label: Some("bokeh"),
-        size: Extent3d { width, height, depth_or_array_layers: 1 },
-        mip_level_count: 1,
-        sample_count: 1,
-        dimension: TextureDimension::D2,
-        format: FORMAT,
-        usage: TextureUsages::RENDER_ATTACHMENT | TextureUsages::TEXTURE_BINDING | TextureUsages::COPY_SRC,
-        view_formats: &[],
     })
 }

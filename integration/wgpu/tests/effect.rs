@@ -49,17 +49,24 @@ fn drawn(gpu: &Gpu, bokeh: &Bokeh, color: &Texture, depth: &Texture, lens: &Lens
     images::bytes(&gpu.0, &gpu.1, result)
 }
 
-fn depth_buffer(gpu: &Gpu, samples: u32, stored: f32) -> Texture {
-    let texture = gpu.0.create_texture(&TextureDescriptor {
+const DRAWABLE: TextureUsages = TextureUsages::RENDER_ATTACHMENT;
+const READABLE: TextureUsages = TextureUsages::TEXTURE_BINDING;
+
+fn empty(gpu: &Gpu, format: TextureFormat, usage: TextureUsages, sample_count: u32) -> Texture {
+    gpu.0.create_texture(&TextureDescriptor {
         label: None,
         size: Extent3d { width: WIDTH, height: HEIGHT, depth_or_array_layers: 1 },
         mip_level_count: 1,
-        sample_count: samples,
+        sample_count,
         dimension: TextureDimension::D2,
-        format: TextureFormat::Depth32Float,
-        usage: TextureUsages::TEXTURE_BINDING | TextureUsages::RENDER_ATTACHMENT,
+        format,
+        usage,
         view_formats: &[],
-    });
+    })
+}
+
+fn depth_buffer(gpu: &Gpu, samples: u32, stored: f32) -> Texture {
+    let texture = empty(gpu, TextureFormat::Depth32Float, DRAWABLE | READABLE, samples);
     let mut encoder = gpu.0.create_command_encoder(&Default::default());
     encoder.begin_render_pass(&RenderPassDescriptor {
         depth_stencil_attachment: Some(RenderPassDepthStencilAttachment {
@@ -192,22 +199,9 @@ fn mistakes_are_errors() {
     let gpu = gpu();
     let bokeh = Bokeh::new(&gpu.0, Method::Exact, Polygon::Square, Preset::Low);
     let (color, depth) = (color(&gpu, WIDTH, HEIGHT, 0, 0), depth(&gpu, WIDTH, HEIGHT, 0.97));
-    let texture = |format, usage, sample_count| {
-        gpu.0.create_texture(&TextureDescriptor {
-            label: None,
-            size: color.size(),
-            mip_level_count: 1,
-            sample_count,
-            dimension: TextureDimension::D2,
-            format,
-            usage,
-            view_formats: &[],
-        })
-    };
-    let (drawable, readable) = (TextureUsages::RENDER_ATTACHMENT, TextureUsages::TEXTURE_BINDING);
-    let unreadable = texture(FORMAT, drawable, 1);
-    let several = texture(FORMAT, drawable | readable, 4);
-    let integers = texture(TextureFormat::Rgba8Uint, readable, 1);
+    let unreadable = empty(&gpu, FORMAT, DRAWABLE, 1);
+    let several = empty(&gpu, FORMAT, DRAWABLE | READABLE, 4);
+    let integers = empty(&gpu, TextureFormat::Rgba8Uint, READABLE, 1);
     let small = self::depth(&gpu, WIDTH / 2, HEIGHT, 0.97);
     let found = |color: &Texture, depth: &Texture| bokeh.targets(&gpu.0, color, depth).err().unwrap();
     let said = [

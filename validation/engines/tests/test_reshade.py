@@ -111,14 +111,20 @@ def effect(folder: Path, technique: str, values: dict[str, str], color: np.ndarr
     (folder / "effect.fx").write_text(text, encoding="ascii")
 
 
-# Name -> settings of the effect, focus distance, pixel at which autofocus reads it, limits of the CoC in the harness
+# Name -> settings of the effect, focus distance, pixel at which autofocus reads it, focus controls of the harness
 CASES = {
     "middle": ({}, FOCUS, (316, 236), None),
     # vkBasalt always places the cursor at the first pixel
     "cursor": ({"FocusMode": "2"}, 6.0, (0, 0), None),
     "point": ({"FocusMode": "3", "FocusPoint": "float2(0.25, 0.75)"}, 1.5, (156, 356), None),
-    "limits": ({"LargestBlurNear": "0.5", "LargestBlurFar": "2.0"}, FOCUS, (316, 236), (0.005, 0.02)),
-}
+    "limits": (
+        {"LargestBlurNear": "0.5", "LargestBlurFar": "2.0"}, FOCUS, (316, 236), methods.Focus(limits=(0.005, 0.02)),
+    ),
+    "scales": (
+        {"NearScale": "0.5", "FarScale": "0.25"}, FOCUS, (316, 236),
+        methods.Focus(scale=(0.5, 0.25), limits=(MOST, MOST)),
+    ),
+}  # fmt: skip
 
 
 @of_sample("reshade")
@@ -133,15 +139,14 @@ def test_picture(technique, case, picture, tmp_path):
     curve reduces to at most 0.13 of an 8-bit step. So they differ by at most one step, except where a comparison goes
     the other way.
     """
-    values, focus, (x, y), limits = CASES[case]
+    values, focus, (x, y), controls = CASES[case]
     color, code = picture[0], picture[1].copy()
     code[y : y + 8, x : x + 8] = round(focus / FAR_PLANE * 65535.0)
     effect(tmp_path, technique, values, color, code)
     shown = drawn(tmp_path)
-    camera = methods.Camera(0.05 / 1.4, 0.05, focus, 0.024, max(limits or [MOST]))
+    camera = methods.Camera(0.05 / 1.4, 0.05, focus, 0.024, max(controls.limits) if controls else MOST)
     method = "layered" if technique == "PolygonalBokeh" else "exact"
-    bounds = methods.Focus(limits=limits) if limits else None
-    plan = methods.plan(methods.Settings(method, "hexagon", camera=camera, focus=bounds), (640, 480))
+    plan = methods.plan(methods.Settings(method, "hexagon", camera=camera, focus=controls), (640, 480))
     light = np.dstack([expanded(color / 255.0), np.ones((480, 640))]).astype(np.float16)
     depth = np.maximum(code / 65535.0 * FAR_PLANE, 0.01).astype(np.float32)
     result = load("osmesa").run(plan.passes, {"color": light, "depth": depth, **plan.tables}, (640, 480))["result"]
@@ -151,7 +156,7 @@ def test_picture(technique, case, picture, tmp_path):
         Image.fromarray(shown.astype(np.uint8)).save(tmp_path / "picture.png", optimize=True)
         assert_picture(tmp_path / "picture.png", GUIDE / "picture.png")
     assert (off <= 1.0).mean() >= 0.998, np.bincount(off.astype(int).ravel())
-    assert np.abs(expected - color).mean() > (1.0 if limits else 3.0)
+    assert np.abs(expected - color).mean() > (1.0 if controls else 3.0)
 
 
 @of_sample("reshade")

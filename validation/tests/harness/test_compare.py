@@ -70,6 +70,7 @@ MISTAKES = {
     "the CoC's sign is wrong": lambda case: drawn(case, coc=np.negative),
     "the CoC has no sign": lambda case: drawn(case, coc=np.abs),
     "reversed depth, but was read as window": lambda case: with_depth(case, 1, 2),
+    "infinite depth, but was read as window": lambda case: with_depth(case, 1, 3),
     "window depth, but was read as metres": lambda case: with_depth(case, 0, 1),
     "the rotation's sign": lambda case: drawn(replace(case, settings=replace(SETTINGS, rotation=-20.0))),
     "the method is layered": lambda case: drawn(replace(case, settings=replace(SETTINGS, method="layered"))),

@@ -42,6 +42,19 @@ def test_long_names(tmp_path):
     refused(called("truth", "--json", tmp_path / ("x" * 256)), ["cannot be written", "too long"])
 
 
+def test_temporary_names_are_random(tmp_path):
+    """Check that the temporary file of each write has another name, so that nobody can put a link there beforehand."""
+    used = []
+
+    def save(partial):
+        used.append(partial.name)
+        partial.write_text("new")
+
+    for _ in range(3):
+        files.whole(tmp_path / "file", save)
+    assert len(set(used)) == 3 and not any(str(os.getpid()) == part for name in used for part in name.split("."))
+
+
 def test_what_fails_leaves_nothing(tmp_path):
     """Check that after a failure the old file is intact and nothing is left next to it."""
     (tmp_path / "file").write_text("old")

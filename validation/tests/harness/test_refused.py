@@ -3,6 +3,7 @@ nothing is written.
 """
 
 import shlex
+import subprocess
 
 import pytest
 from support import called, refused
@@ -70,6 +71,7 @@ aperture --vertices '0,-0.5 0.294,0.405 -0.476,-0.155 0.476,-0.155 -0.294,0.405'
 truth --method blur | --method blur: unknown. Give one of pinhole, paper, exact, gather, layered mobile, layered low
 truth --method "layered best" | --method layered best: unknown; layered mobile, layered low, layered medium
 truth --scene street | --scene street: unknown. Give one of market_7, street_11, canopy_12
+truth --method layered --scene street | --scene street: unknown
 truth --random 0 | --random 0: not allowed. Give 1 to 10000
 truth --random 3 --motion pan | --random and --motion; Give one of them
 truth --random 3 --seed -1 | --seed -1: not allowed; 0 or more
@@ -91,3 +93,12 @@ def test_bad_option(row, tmp_path, monkeypatch):
         (tmp_path / "out").write_text("precious")
     refused(called(command, *given, *options), words.split("; "))
     assert [path.read_text() for path in tmp_path.iterdir()] == ["precious"] * (command == "render")
+
+
+def test_bad_adapter_of_the_whole_run(tmp_path):
+    """Check that without a command, too, a mistyped --adapter is refused instead of skipping all that needs it."""
+    words = (paths.VALIDATION / "run", "--adapter", "no such card", "-o", tmp_path / "report.html")
+    done = subprocess.run(words, capture_output=True, text=True)
+    (line,) = done.stderr.splitlines()
+    assert done.returncode == 2 and line.startswith("error: ") and "no such card" in line and "llvmpipe" in line
+    assert not list(tmp_path.iterdir())

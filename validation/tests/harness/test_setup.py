@@ -3,6 +3,7 @@
 import ast
 import fcntl
 import hashlib
+import json
 import os
 import re
 import signal
@@ -227,6 +228,41 @@ def test_interrupted(number, tmp_path):
             time.sleep(0.02)
         process.send_signal(number)
         assert process.communicate(timeout=HANG)[1] == "error: stopped\n" and process.returncode == 130
+
+
+def test_interrupted_pip(tmp_path, monkeypatch):
+    """Check that an interruption ends pip and the programs that pip has started."""
+    started, pip = [], tmp_path / "python"
+    pip.write_text("#!/bin/sh\nsleep 300 &\necho Collecting $!:$$\nwait\n")
+    pip.chmod(0o755)
+
+    def interrupted(text):
+        started.extend(text.split(":"))
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(setup, "say", interrupted)
+    with pytest.raises(KeyboardInterrupt):
+        setup._pip(pip, tmp_path / "lock.txt")
+    states = [Path(f"/proc/{int(pid)}/stat") for pid in started]
+    deadline = time.monotonic() + 20
+    # a program that has ended stays a zombie (Z) until its parent looks
+    while running := [path for path in states if path.exists() and path.read_text().split()[2] != "Z"]:
+        assert time.monotonic() < deadline, running
+        time.sleep(0.02)
+    assert len(states) == 2
+
+
+def test_npm_locks():
+    """Check that lock files pin every npm package with a hash, also the photographs that `pictures` draws."""
+    locks = [
+        lock
+        for pattern in ("integration/*", "validation/*", "validation/lab/*")
+        for lock in paths.ROOT.glob(f"{pattern}/package-lock.json")
+    ]
+    assert paths.VALIDATION / "lab/documents/package-lock.json" in locks
+    for lock in locks:
+        packages = json.loads(lock.read_bytes())["packages"]
+        assert all("integrity" in package for name, package in packages.items() if name), lock
 
 
 def test_folder_that_cannot_be_written():

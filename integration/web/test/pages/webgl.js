@@ -258,7 +258,7 @@ window.bokeh = {
     const without = drawn(chain(world, {}));
     addGlass(world);
     const result = drawn(chain(world, {}, { after: (bokeh) => [new SharpPass(bokeh, world.scene)] }));
-    return glassFound([without, result], world);
+    return [glassFound([without, result], world)];
   },
 
   // Compares four samples per pixel with one. Returns how much the middle of the subject differs, and the fraction of

@@ -35,8 +35,11 @@ async function drawn({ bokeh, pipeline }, other = renderer) {
   other.setRenderTarget(target);
   await (pipeline.render() ?? 0);
   other.setRenderTarget(null);
-  const shown = bokeh.sharp ?? bokeh.result;
-  const halves = await other.readRenderTargetPixelsAsync(shown, 0, 0, shown.width, shown.height);
+  return pixels(bokeh.sharp ?? bokeh.result, other);
+}
+
+async function pixels(target, other = renderer) {
+  const halves = await other.readRenderTargetPixelsAsync(target, 0, 0, target.width, target.height);
   return Array.from(halves, THREE.DataUtils.fromHalfFloat);
 }
 
@@ -58,6 +61,14 @@ function occluded(scenePass, camera) {
   occlusion.radius.value = 2;
   return [scenePass.getTextureNode().mul(vec4(occlusion.getTextureNode().rrr, 1)), depth, camera];
 }
+
+// Returns the same for global illumination, by the function ssgi of three.js.
+const illuminated = (ssgi) => (scenePass, camera) => {
+  scenePass.setMRT(mrt({ output, normal: normalView }));
+  const [color, depth] = ['output', 'depth'].map((name) => scenePass.getTextureNode(name));
+  const light = ssgi(color, depth, scenePass.getTextureNode('normal'), camera);
+  return [color.mul(light.getAONode().r).add(color.mul(light.getGINode())), depth, camera];
+};
 
 const message = (call) => call().then(() => '', (error) => error.message);
 
@@ -126,8 +137,7 @@ window.bokeh = {
     const image = await drawn(made);
     const fewer = whole - count;
     delete renderer.render;
-    const halves = await renderer.readRenderTargetPixelsAsync(made.bokeh.scenePass.renderTarget, 0, 0, ...SIZE);
-    const scene = Array.from(halves, THREE.DataUtils.fromHalfFloat);
+    const scene = await pixels(made.bokeh.scenePass.renderTarget);
     made.bokeh.setLens(1.4, 20);
     const again = off(await drawn(made), blurred);
     return { fewer, passes: made.bokeh.passes.length, off: off(image, scene), acts: off(blurred, scene), again };
@@ -179,16 +189,19 @@ window.bokeh = {
     return { same: off(same, plain), half: off(doubled, plain), kind: depthKind.value, far: farPlane.value };
   },
 
-  // Draws ambient occlusion before the bokeh. Returns how much the image differs from the bokeh of a texture with the
-  // same pixels (baked), and from the bokeh without occlusion (acts), and the size of the image after a resize. Each
-  // chain has a scene of its own, because old versions of three.js mix up several passes of one scene.
-  async occlusion() {
+  // Draws ambient occlusion or 'ssgi' before the bokeh. Returns how much the image differs from the bokeh of a texture
+  // with the same pixels (baked), and from the bokeh of the scene alone (acts), and the size of the image after a
+  // resize. Returns null if this version of three.js has no SSGINode. Each chain has a scene of its own, because old
+  // versions of three.js mix up several passes of one scene.
+  async occlusion(by) {
+    if (by === 'ssgi' && Number(THREE.REVISION) < 180) return null;
+    const build = by === 'ssgi' ? illuminated((await import('three/addons/tsl/display/SSGINode.js')).ssgi) : occluded;
     const worldOf = () => {
       const world = makeScene();
       world.scene.children.at(-1).position.z = -4.3; // the wall, near enough to the subject for some occlusion
       return world;
     };
-    const made = graph(worldOf(), occluded);
+    const made = graph(worldOf(), build);
     const found = await drawn(made);
     const colour = made.bokeh.source.color.renderTarget;
     const halves = await renderer.readRenderTargetPixelsAsync(colour, 0, 0, ...SIZE);
@@ -239,13 +252,27 @@ window.bokeh = {
     return Promise.all(given.map((one) => message(async () => new PolygonBokehNode(...one))));
   },
 
-  // Returns the colours at three points of the image, without glass, and in two frames with it.
+  // Returns the colours at three points of several images: without glass and in two frames with it, and then, after a
+  // change and with a bokehScale of 0, of the blurred image and of the image with glass. Throws an Error if the pass
+  // draws another scene after dispose().
   async glass() {
     const world = makeScene();
     const without = await drawn(chain(world, {}));
     addGlass(world);
     const made = chain(world, { sharpLayer: 1 });
-    return glassFound([without, await drawn(made), await drawn(made)], world);
+    const found = [glassFound([without, await drawn(made), await drawn(made)], world)];
+    for (const step of [() => made.bokeh.change({ sides: 4 }), () => made.bokeh.setLens(2.8, 0)]) {
+      await step();
+      await drawn(made);
+      found.push(glassFound([await pixels(made.bokeh.result), await pixels(made.bokeh.sharp)], world));
+    }
+    const { scenePass } = made.bokeh;
+    const before = await pixels(scenePass.renderTarget);
+    made.bokeh.dispose();
+    Object.assign(made.pipeline, { outputNode: scenePass, needsUpdate: true });
+    await (made.pipeline.render() ?? 0);
+    if (off(await pixels(scenePass.renderTarget), before)) throw new Error('dispose() has changed the scene');
+    return found;
   },
 
   // Compares four samples per pixel with one. Returns how much the middle of the subject differs, and the quotient of
