@@ -1134,7 +1134,9 @@ BokehTargets BokehLayerFirst(BOKEH_TEXTURE LayerSamp, BOKEH_TEXTURE QuarterSamp,
 }
 
 // Layers: blurs a layer, second pass
-//   Reads the strips and layerCoC, and writes the finished layer.
+//   Reads the strips and layerCoC, blurs each strip along the edge of its number, adds them up, and
+//   writes the finished layer. It is a pass of its own because each texel reads a line of strips,
+//   which must be complete.
 //   Strip2Samp, Strip3Samp, Strip4Samp, Strip5Samp  from the first pass; pass any texture for a
 //                 strip that the polygon does not have, since it is not read
 //   returns       rgb times coverage, coverage
@@ -1185,8 +1187,9 @@ struct BokehLayersTargets
 };
 
 // Layers: blurs both layers of a square or a hexagon, first pass
-//   Reads both layers, their quarter layers and layerCoC, and writes the strips of both. It takes
-//   one pass instead of two.
+//   Reads both layers, their quarter layers and layerCoC, and writes the strips of both. A square
+//   or a hexagon has so few strips that those of both layers fit into four targets, so one pass
+//   does the work of two.
 BokehLayersTargets BokehLayersFirst(BOKEH_TEXTURE NearSamp, BOKEH_TEXTURE NearQuarterSamp,
     BOKEH_TEXTURE FarSamp, BOKEH_TEXTURE FarQuarterSamp, float2 layerCoC, BokehPolygon polygon,
     BokehLayerContext layers BOKEH_SAMPLER)
@@ -1212,8 +1215,9 @@ struct BokehBlurred
 };
 
 // Layers: blurs both layers of a square or a hexagon, second pass
-//   Reads the strips of both layers and layerCoC, and writes both finished layers. For a square,
-//   pass any textures as strips 3: they are not read.
+//   Reads the strips of both layers and layerCoC, and writes both finished layers. As in
+//   BokehLayersFirst, one pass does the work of two. For a square, pass any textures as strips 3:
+//   they are not read.
 BokehBlurred BokehLayersSecond(BOKEH_TEXTURE NearStrip2Samp, BOKEH_TEXTURE FarStrip2Samp,
     BOKEH_TEXTURE NearStrip3Samp, BOKEH_TEXTURE FarStrip3Samp, float2 layerCoC,
         BokehPolygon polygon, BokehLayerContext layers BOKEH_SAMPLER)

@@ -1097,7 +1097,9 @@ fn BokehLayerFirst(LayerSamp: texture_2d<f32>, QuarterSamp: texture_2d<f32>, lay
 }
 
 // Layers: blurs a layer, second pass
-//   Reads the strips and layerCoC, and writes the finished layer.
+//   Reads the strips and layerCoC, blurs each strip along the edge of its number, adds them up, and
+//   writes the finished layer. It is a pass of its own because each texel reads a line of strips,
+//   which must be complete.
 //   Strip2Samp, Strip3Samp, Strip4Samp, Strip5Samp  from the first pass; pass any texture for a
 //                 strip that the polygon does not have, since it is not read
 //   returns       rgb times coverage, coverage
@@ -1148,8 +1150,9 @@ struct BokehLayersTargets
 }
 
 // Layers: blurs both layers of a square or a hexagon, first pass
-//   Reads both layers, their quarter layers and layerCoC, and writes the strips of both. It takes
-//   one pass instead of two.
+//   Reads both layers, their quarter layers and layerCoC, and writes the strips of both. A square
+//   or a hexagon has so few strips that those of both layers fit into four targets, so one pass
+//   does the work of two.
 fn BokehLayersFirst(NearSamp: texture_2d<f32>, NearQuarterSamp: texture_2d<f32>,
     FarSamp: texture_2d<f32>, FarQuarterSamp: texture_2d<f32>, layerCoC: vec2f,
         polygon: BokehPolygon, layers: BokehLayerContext,
@@ -1176,8 +1179,9 @@ struct BokehBlurred
 }
 
 // Layers: blurs both layers of a square or a hexagon, second pass
-//   Reads the strips of both layers and layerCoC, and writes both finished layers. For a square,
-//   pass any textures as strips 3: they are not read.
+//   Reads the strips of both layers and layerCoC, and writes both finished layers. As in
+//   BokehLayersFirst, one pass does the work of two. For a square, pass any textures as strips 3:
+//   they are not read.
 fn BokehLayersSecond(NearStrip2Samp: texture_2d<f32>, FarStrip2Samp: texture_2d<f32>,
     NearStrip3Samp: texture_2d<f32>, FarStrip3Samp: texture_2d<f32>, layerCoC: vec2f,
         polygon: BokehPolygon, layers: BokehLayerContext, BokehLinearClamp: sampler) -> BokehBlurred
