@@ -34,7 +34,7 @@
 //   BokehLateralColor_PS        ColorSamp (finished)              lateral colour
 //
 //   With bokeh_layers: the table of that file lists what each pass reads, in the order of the
-//   slots, and what it writes. Besides:
+//   slots, and what it writes. In addition:
 //   * Square and hexagon blur both layers at once. Their first pass reads nearLayer, nearQuarter,
 //     farLayer, farQuarter, layerCoC, and writes strip 2 of near and far, then strip 3 of both.
 //   * Octagon and decagon blur one layer at a time: the near one with BokehLayer 0, the far one

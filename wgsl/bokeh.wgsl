@@ -145,8 +145,8 @@ const BOKEH_TUNED_REACH_START: f32 = 0.2;
 const BOKEH_TUNED_REACH_FULL: f32 = 0.5;
 
 // If the samples of `exact` have less weight than this, the pixel itself supplies the rest. With a
-// lower one, some pixels between sharp objects differ from GPU to GPU; with a higher one, less of
-// what is around a light is blurred.
+// lower one, some pixels between sharp objects differ from GPU to GPU; with a higher one, less
+// of the surroundings of a light is blurred.
 const BOKEH_TUNED_LEAST_WEIGHT: f32 = 0.0625;
 
 // -------------------------------------------------------------------------------------------------
@@ -456,8 +456,8 @@ fn BokehBrightNeighbor(ColorSamp: texture_2d<f32>, uv: vec2f, imageSize: vec2f) 
 //   it shows the light's colour. If the rim has the depth of an object in focus, it takes only the
 //   CoC of a bright light in front of the focus, inside whose blur it would show as a sharp line.
 //   The change fades in while a CoC grows from one pixel to two: the smaller of both CoC for a dark
-//   pixel, the own CoC for a rim, the light's for the rim of a bright near light. From a pixel
-//   behind the focus to a light in front of it, there is no mixture: the CoC switches.
+//   pixel, the own CoC for a rim, the light's for the rim of a bright near light. Between a
+//   pixel behind the focus and a light in front of it, the CoC switches instead of fading.
 //   CoC, lightCoC  signed, fractions of the image height
 //   weights       zw of BokehLightBeside or BokehBrightNeighbor
 //   imageHeight   pixels
@@ -559,7 +559,7 @@ fn BokehFilterCoC(CoC: f32, imageHeight: f32) -> f32
 }
 
 // Lines: returns the number of samples on a line, which need not be a whole number
-//   A sample stands for `spacing` pixels, or for more if BOKEH_NUM_SAMPLES of them would not fill
+//   A sample represents `spacing` pixels, or more if BOKEH_NUM_SAMPLES of them would not fill
 //   the line. Sample i has the weight clamp(samples - i, 0, 1):
 //
 //      |---|---|---|---|-|     4.2: five samples. The last piece grows from nothing as the line

@@ -191,8 +191,8 @@
 #define BOKEH_TUNED_REACH_FULL 0.5
 
 // If the samples of `exact` have less weight than this, the pixel itself supplies the rest. With a
-// lower one, some pixels between sharp objects differ from GPU to GPU; with a higher one, less of
-// what is around a light is blurred.
+// lower one, some pixels between sharp objects differ from GPU to GPU; with a higher one, less
+// of the surroundings of a light is blurred.
 #define BOKEH_TUNED_LEAST_WEIGHT 0.0625
 
 #if BOKEH_NUM_SAMPLES < 2
@@ -228,8 +228,8 @@
 #define BOKEH_LAYER_OUTLINES 0
 #endif
 
-// BOKEH_LOOP stands in front of a loop whose count is large, or known only at run time. fxc would
-//   unroll it without [loop]. Under DXC it is empty: [loop] would forbid the driver to unroll
+// BOKEH_LOOP marks a loop whose count is large, or known only at run time. Without [loop], fxc
+//   would unroll it. Under DXC it is empty: [loop] would forbid the driver to unroll
 //   (RADV: 2 to 16 times the latency)
 #if BOKEH_HLSL_SM == 4 || BOKEH_HLSL_SM == 5
 #define BOKEH_LOOP [loop]
@@ -580,8 +580,8 @@ float4 BokehBrightNeighbor(BOKEH_TEXTURE ColorSamp, float2 uv, float2 imageSize)
 //   it shows the light's colour. If the rim has the depth of an object in focus, it takes only the
 //   CoC of a bright light in front of the focus, inside whose blur it would show as a sharp line.
 //   The change fades in while a CoC grows from one pixel to two: the smaller of both CoC for a dark
-//   pixel, the own CoC for a rim, the light's for the rim of a bright near light. From a pixel
-//   behind the focus to a light in front of it, there is no mixture: the CoC switches.
+//   pixel, the own CoC for a rim, the light's for the rim of a bright near light. Between a
+//   pixel behind the focus and a light in front of it, the CoC switches instead of fading.
 //   CoC, lightCoC  signed, fractions of the image height
 //   weights       zw of BokehLightBeside or BokehBrightNeighbor
 //   imageHeight   pixels
@@ -682,7 +682,7 @@ float BokehFilterCoC(float CoC, float imageHeight)
 }
 
 // Lines: returns the number of samples on a line, which need not be a whole number
-//   A sample stands for `spacing` pixels, or for more if BOKEH_NUM_SAMPLES of them would not fill
+//   A sample represents `spacing` pixels, or more if BOKEH_NUM_SAMPLES of them would not fill
 //   the line. Sample i has the weight clamp(samples - i, 0, 1):
 //
 //      |---|---|---|---|-|     4.2: five samples. The last piece grows from nothing as the line
