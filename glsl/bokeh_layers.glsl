@@ -3,8 +3,9 @@
 // Layered depth of field with polygonal bokeh, GLSL. Version 0.3.0. Put it after bokeh.glsl.
 //
 //   `exact` blurs each pixel by its own CoC, so near objects keep a hard outline. Here near objects
-//   spread over what is behind them, and what they hide is filled. docs/methods/layered.md has the
-//   frame graph and the derivations, layered-evidence.md the evidence for the tuned constants.
+//   spread over the background, and the parts that they hide are filled. docs/methods/layered.md
+//   has the frame graph and the derivations, layered-evidence.md the evidence for the tuned
+//   constants.
 //
 // CONTRACT
 //   Functions only: no bindings, no entry points.
@@ -55,9 +56,9 @@
 //   BOKEH_LAYER_CUBIC       1          0, 1    1: layers are enlarged by five fetches, not by one
 //   BOKEH_LAYER_SCALE       2          2, 4    size of the image / size of a layer; comments that
 //                                              say half size mean the layers' size
-//   BOKEH_MIN_BRIGHTNESS    0.00001    > 0     darker pixels count as this bright in the mean of
-//                                              their tile
-//   BOKEH_LAYER_OUTLINES    1          0, 1    1: outlines of what is in focus are blended with the
+//   BOKEH_MIN_BRIGHTNESS    0.00001    > 0     darker pixels are raised to it in the mean of their
+//                                              tile
+//   BOKEH_LAYER_OUTLINES    1          0, 1    1: outlines of objects in focus are blended with the
 //                                              blurred background behind them. HLSL's shader
 //                                              model 3 has no room for it: always 0
 //
@@ -184,7 +185,7 @@
 #define BOKEH_TUNED_REACH_LIGHT 16.0
 
 // A gather of a single ring reaches at most this far, pixels. With a higher value, an edge shows as
-// a row of copies; with a lower one, blurs that are in no layer get too small.
+// a row of copies; with a lower one, blurs of pixels in neither layer get too small.
 #define BOKEH_TUNED_SINGLE_RADIUS 6.0
 
 // Samples of the gather lie at POSITION - rings * STEP of the width of their ring: half-way with
@@ -452,8 +453,8 @@ vec4 BokehBlurWeights(vec4 a, vec4 b, vec4 c, vec4 d, float inverseBrightness, f
 // Layers: holds what BokehPrefilter writes
 //   nearLayer, farLayer  rgb times layer weight, layer weight
 //   layerCoCSums  for the mean CoC of both layers: CoC / 8 times weight, weight
-//   gatherCoC     rg = largest near and far CoC that is not completely in its layer, ba = those of
-//                 lights alone; pixels
+//   gatherCoC     rg = largest near and far CoC of the pixels that are not completely in a layer,
+//                 ba = those of lights alone; pixels
 struct BokehPrefiltered
 {
     vec4 nearLayer;
@@ -468,10 +469,10 @@ vec4 BokehLayerWeights(vec4 CoC, float slope)
     return clamp(CoC * slope - 2.0, vec4(0.0, 0.0, 0.0, 0.0), vec4(1.0, 1.0, 1.0, 1.0));
 }
 
-// Layers: collects what is around a near edge: the darkest near colour, the brightest behind it
+// Layers: finds the darkest near colour around a near edge, and the brightest one behind it
 //   found         of the pixels so far
 //   pixel         one more
-//   nearWeight    its layer weight; the pixel counts as near from half of maxNearWeight on
+//   nearWeight    its layer weight; the pixel is near from half of maxNearWeight on
 //   returns       rgb = darkest near colour, a = brightness of the brightest pixel behind
 vec4 BokehSurroundings(vec4 found, vec4 pixel, float nearWeight, float maxNearWeight)
 {
@@ -551,7 +552,7 @@ BokehPrefiltered BokehPrefilterBlock(BOKEH_TEXTURE MapSamp, vec2 middle, vec4 ti
     vec4 nearSum = vec4(0.0, 0.0, 0.0, 0.0);
     if (maxNearWeight > 0.0)
     {
-        // an antialiased pixel of a near edge holds light of what is behind it: if that is
+        // an antialiased pixel of a near edge holds light of the background: if that is
         // brighter, limit all near pixels to the darkest one around
         vec4 around = vec4(BOKEH_MAX_COLOR, BOKEH_MAX_COLOR, BOKEH_MAX_COLOR, 0.0);
         around = BokehSurroundings(around, a, nearWeights.x, maxNearWeight);
@@ -594,7 +595,7 @@ BokehPrefiltered BokehPrefilterBlock(BOKEH_TEXTURE MapSamp, vec2 middle, vec4 ti
 // Layers: sorts the pixels into a near and a far layer, 1 / BOKEH_LAYER_SCALE as large as the image
 //   Reads the CoC map and dilatedTiles. Writes both layers, and two targets for the passes after
 //   it: layerCoCSums, from which the CoC of each layer follows, and gatherCoC, which says how far
-//   the gather has to reach. Antialiased pixels of near edges hold light of what is behind; if that
+//   the gather has to reach. Antialiased pixels of near edges hold light of the background; if that
 //   is bright, it is removed first, or it would be blurred into a false rim.
 BokehPrefiltered BokehPrefilter(BOKEH_TEXTURE MapSamp, BOKEH_TEXTURE DilatedTilesSamp,
     BokehLayerContext layers)
@@ -926,7 +927,7 @@ struct BokehFilled
     vec4 farFill;
 };
 
-// Layers: fills the holes that near objects leave in the background, from what is around them
+// Layers: fills the holes that near objects leave in the background, from their surroundings
 //   Reads midWithHoles, farWithHoles and dilatedTiles, and writes both without holes. Around each
 //   texel lie three rings, and the nearest background has by far the highest weight:
 //
@@ -1116,7 +1117,9 @@ BokehTargets BokehLayerFirst(BOKEH_TEXTURE LayerSamp, BOKEH_TEXTURE QuarterSamp,
 }
 
 // Layers: blurs a layer, second pass
-//   Reads the strips and layerCoC, and writes the finished layer.
+//   Reads the strips and layerCoC, blurs each strip along the edge of its number, adds them up, and
+//   writes the finished layer. It is a pass of its own because each texel reads a line of strips,
+//   which must be complete.
 //   Strip2Samp, Strip3Samp, Strip4Samp, Strip5Samp  from the first pass; pass any texture for a
 //                 strip that the polygon does not have, since it is not read
 //   returns       rgb times coverage, coverage
@@ -1163,8 +1166,9 @@ struct BokehLayersTargets
 };
 
 // Layers: blurs both layers of a square or a hexagon, first pass
-//   Reads both layers, their quarter layers and layerCoC, and writes the strips of both. It takes
-//   one pass instead of two.
+//   Reads both layers, their quarter layers and layerCoC, and writes the strips of both. A square
+//   or a hexagon has so few strips that those of both layers fit into four targets, so one pass
+//   does the work of two.
 BokehLayersTargets BokehLayersFirst(BOKEH_TEXTURE NearSamp, BOKEH_TEXTURE NearQuarterSamp,
     BOKEH_TEXTURE FarSamp, BOKEH_TEXTURE FarQuarterSamp, vec2 layerCoC, BokehPolygon polygon,
     BokehLayerContext layers)
@@ -1190,8 +1194,9 @@ struct BokehBlurred
 };
 
 // Layers: blurs both layers of a square or a hexagon, second pass
-//   Reads the strips of both layers and layerCoC, and writes both finished layers. For a square,
-//   pass any textures as strips 3: they are not read.
+//   Reads the strips of both layers and layerCoC, and writes both finished layers. As in
+//   BokehLayersFirst, one pass does the work of two. For a square, pass any textures as strips 3:
+//   they are not read.
 BokehBlurred BokehLayersSecond(BOKEH_TEXTURE NearStrip2Samp, BOKEH_TEXTURE FarStrip2Samp,
     BOKEH_TEXTURE NearStrip3Samp, BOKEH_TEXTURE FarStrip3Samp, vec2 layerCoC, BokehPolygon polygon,
     BokehLayerContext layers)
@@ -1376,7 +1381,7 @@ BokehGather BokehGatherRing(BokehGather before, BOKEH_TEXTURE MapSamp, BokehRing
     {
         vec2 alongEdge = direction * BokehEdgeLength(edge, polygon);
         vec2 along = alongEdge / float(ring.onEdge);
-        // each edge stands for the triangle from the centre to it
+        // each edge represents the triangle from the centre to it
         float cell = (corner.x * along.y - corner.y * along.x) / (8.0 * polygon.area);
         for (int i = ring.first; i < ring.end; i++)
         {
@@ -1582,7 +1587,7 @@ vec4 BokehComposite(BOKEH_TEXTURE MapSamp, BOKEH_TEXTURE GatherTilesSamp, BOKEH_
         {
             denseRings += 1.0;
         }
-        // Outlines of what is in focus are changed where the far layer is, and where the gather has
+        // Outlines of objects in focus are changed where the far layer is, and where the gather has
         // no additional ring, so that the two together take no more fetches than that ring.
         float outline = clamp(2.0 - abs(s), 0.0, 1.0) * clamp(layerReach - 14.0 + 4.0 *
             float(BOKEH_LAYER_CUBIC), 0.0, 1.0) * clamp(max(2.0 * BOKEH_TUNED_RING_WIDTH *
@@ -1668,8 +1673,8 @@ vec4 BokehComposite(BOKEH_TEXTURE MapSamp, BOKEH_TEXTURE GatherTilesSamp, BOKEH_
         vec3 farColor = farLayer.rgb / max(farLayer.a, 0.000001);
         if (behindNear > 0.0)
         {
-            // Near pixels hide most of what a far polygon covers, so few far pixels stand for all
-            // of it. Where the far layer covers less than half, the fill stands for the rest.
+            // Near pixels hide most of what a far polygon covers, so few far pixels represent all
+            // of it. Where the far layer covers less than half, the fill supplies the rest.
             vec4 farFill = BokehFetchGrid(FarFillSamp, 0.25 * center, quarters);
             float missing = clamp(1.0 - 2.0 * farLayer.a, 0.0, 1.0) * behindNear;
             farColor += (farFill.rgb - farColor) * missing;
@@ -1682,7 +1687,7 @@ vec4 BokehComposite(BOKEH_TEXTURE MapSamp, BOKEH_TEXTURE GatherTilesSamp, BOKEH_
         vec4 front = vec4(gather.front);
         if (plain.a >= 0.001)
         {
-            // the weight of what is in front is its coverage; the rest shows through what is left
+            // the weight of samples in front is their coverage; the rest shows through the gaps
             float rest = plain.a - front.a;
             float open = clamp(1.0 - front.a, 0.0, 1.0) / max(rest, 0.1);
             result = (front.rgb + (plain.rgb - front.rgb) * open) / (front.a + rest *

@@ -133,7 +133,7 @@ BokehPolygon BokehWithCatsEye(BokehPolygon polygon, vec2 uv, vec2 imageSize, flo
     vec2 along = BokehRotated(place, vec2(polygon.axis.x, -polygon.axis.y)) * clamp(amount, 0.0,
         0.9);
     BokehPolygon uncut = polygon;
-    // an edge of the minimum length stands for no edge
+    // an edge of the minimum length means that there is none
     uncut.lengths *= clamp((polygon.lengths - 0.001) * 100000.0, vec4(0.0, 0.0, 0.0, 0.0), vec4(1.0,
         1.0, 1.0, 1.0));
     return BokehUpdatePolygon(BokehCutLengths(BokehHalfWidths(uncut, along)));

@@ -35,7 +35,7 @@
 //   BOKEH_LATERAL_COLOR         ColorSamp (finished)              lateral colour
 //
 //   With bokeh_layers: the table of that file lists what each pass reads, in the order of the
-//   slots, and what it writes. Besides:
+//   slots, and what it writes. In addition:
 //   * Square and hexagon blur both layers at once. Their first pass reads nearLayer, nearQuarter,
 //     farLayer, farQuarter, layerCoC, and writes strip 2 of near and far, then strip 3 of both.
 //   * Octagon and decagon blur one layer at a time: the near one with BokehLayer 0, the far one
@@ -490,8 +490,23 @@ BokehBlurred BokehBothResults(vec2 uv, BOKEH_TEXTURE NearStrip3Samp, BOKEH_TEXTU
 
 #endif
 
+// -------------------------------------------------------------------------------------------------
+// entry points
+//
+//   An entry point sets up the parameters and calls the function that has its name. The comment of
+//   that function says what the pass reads, what it writes and why it exists. An entry point has a
+//   comment here if it does more than this, or if no function has its name:
+//   * Square, Hexagon, Octagon and Decagon are the polygon.
+//   * First and Second are the two blur passes of `exact`. First blurs along all edges of one half
+//     of the outline but the last, Second along all but the first.
+//   * LayerFirst and LayerSecond are the two blur passes of `layered`. For a square and a hexagon
+//     they call BokehLayersFirst and BokehLayersSecond, for an octagon and a decagon
+//     BokehLayerFirst and BokehLayerSecond.
+//   * One and Edge are for GPUs and engines that can write only one target in a pass.
+
 #if BOKEH_PASS == BOKEH_LINEAR_DEPTH
 
+// writes depth in metres, which the passes of `paper` read instead of the depth buffer
 void main()
 {
     BokehUseViewport();
@@ -501,6 +516,9 @@ void main()
 
 #elif BOKEH_PASS == BOKEH_SIGNED_COC_MAP
 
+// writes colour and signed CoC for `exact` and `layered`
+//   It does the work of BokehSignedCoCMap, and also takes the parameters of BOKEH_FOCUS_CONTROLS. A
+//   pixel beside a light may take the CoC of the light, see BokehLightCoC.
 void main()
 {
     BokehUseViewport();
@@ -517,6 +535,7 @@ void main()
 
 #elif BOKEH_PASS == BOKEH_CONSTANT_COC
 
+// writes colour and the same CoC for all pixels: use it to look at the polygon without depth
 void main()
 {
     BokehUseViewport();
@@ -599,6 +618,7 @@ void main()
 
 #elif BOKEH_PASS == BOKEH_EXACT_EDGE
 
+// writes one target of the first pass of any polygon of `exact`
 void main()
 {
     BokehTargets targets = BokehExactFirst(BokehColorSamp, BokehUV, BOKEH_TARGET_INDEX + 2,
@@ -667,6 +687,7 @@ void main()
 
 #elif BOKEH_PASS == BOKEH_ADAPTIVE
 
+// blurs along one line, whose angle, length and centre are parameters: a star has several lines
 void main()
 {
     BokehResult = BokehAdaptiveLine(BokehUV);
@@ -674,6 +695,8 @@ void main()
 
 #elif BOKEH_PASS == BOKEH_ADAPTIVE_FINAL
 
+// blurs along one line, then combines the result with that of an earlier pass
+//   It takes the maximum of both if BokehUseMax is 1, otherwise the minimum.
 void main()
 {
     vec4 a = BokehAdaptiveLine(BokehUV);
@@ -880,6 +903,7 @@ void main()
 
 #elif BOKEH_PASS == BOKEH_PREFILTER_ONE
 
+// writes one target of BokehPrefilter; the entry points below do so for other passes
 void main()
 {
     BokehPrefiltered targets = BokehPrefilter(BokehColorSamp, BokehColorSampB,
@@ -938,6 +962,7 @@ void main()
 
 #elif BOKEH_PASS == BOKEH_LAYER_EDGE
 
+// writes one target of the first blur pass of one layer, for any polygon
 void main()
 {
     BokehTargets targets = BokehLayerPolygon(BokehUV, BOKEH_TARGET_INDEX + 2,
@@ -947,6 +972,7 @@ void main()
 
 #elif BOKEH_PASS == BOKEH_LAYER_SECOND_ONE
 
+// writes one blurred layer, for any polygon: the second blur pass
 void main()
 {
     BokehResult = BokehLayerResult(BokehUV, BokehColorSampD, BokehAnyAperture(BokehUV));

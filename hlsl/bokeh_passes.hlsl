@@ -34,7 +34,7 @@
 //   BokehLateralColor_PS        ColorSamp (finished)              lateral colour
 //
 //   With bokeh_layers: the table of that file lists what each pass reads, in the order of the
-//   slots, and what it writes. Besides:
+//   slots, and what it writes. In addition:
 //   * Square and hexagon blur both layers at once. Their first pass reads nearLayer, nearQuarter,
 //     farLayer, farQuarter, layerCoC, and writes strip 2 of near and far, then strip 3 of both.
 //   * Octagon and decagon blur one layer at a time: the near one with BokehLayer 0, the far one
@@ -185,8 +185,9 @@ BOKEH_PARAMETER(float, BokehStableBlend, 47)
 // xy = 1 / width and 1 / height of the viewport; register c20 of the vertex shader's constants
 float4 BokehTexelSize : register(c20);
 
-// Direct3D 9 has pixel centres at whole numbers: the quad moves half a pixel left and up, so that
-// uv hits texels.
+// draws a quad over the whole target
+//   Direct3D 9 has pixel centres at whole numbers: the quad moves half a pixel left and up, so that
+//   uv hits texels.
 void BokehFullScreen_VS(float4 corner : POSITION, float2 cornerUV : TEXCOORD0, out float4 position :
     POSITION, out float2 uv : TEXCOORD0)
 {
@@ -434,6 +435,21 @@ BokehBlurred BokehBothResults(float2 uv, BOKEH_TEXTURE NearStrip3Samp, BOKEH_TEX
 
 #endif
 
+// -------------------------------------------------------------------------------------------------
+// entry points
+//
+//   An entry point sets up the parameters and calls the function that has its name. The comment of
+//   that function says what the pass reads, what it writes and why it exists. An entry point has a
+//   comment here if it does more than this, or if no function has its name:
+//   * Square, Hexagon, Octagon and Decagon are the polygon.
+//   * First and Second are the two blur passes of `exact`. First blurs along all edges of one half
+//     of the outline but the last, Second along all but the first.
+//   * LayerFirst and LayerSecond are the two blur passes of `layered`. For a square and a hexagon
+//     they call BokehLayersFirst and BokehLayersSecond, for an octagon and a decagon
+//     BokehLayerFirst and BokehLayerSecond.
+//   * One and Edge are for GPUs and engines that can write only one target in a pass.
+
+// writes depth in metres, which the passes of `paper` read instead of the depth buffer
 float4 BokehLinearDepth_PS(BOKEH_INPUT) : BOKEH_OUTPUT
 {
     BokehUseViewport();
@@ -441,6 +457,9 @@ float4 BokehLinearDepth_PS(BOKEH_INPUT) : BOKEH_OUTPUT
     return float4(depth, depth, depth, 1.0);
 }
 
+// writes colour and signed CoC for `exact` and `layered`
+//   It does the work of BokehSignedCoCMap, and also takes the parameters of BOKEH_FOCUS_CONTROLS. A
+//   pixel beside a light may take the CoC of the light, see BokehLightCoC.
 float4 BokehSignedCoCMap_PS(BOKEH_INPUT) : BOKEH_OUTPUT
 {
     BokehUseViewport();
@@ -455,6 +474,7 @@ float4 BokehSignedCoCMap_PS(BOKEH_INPUT) : BOKEH_OUTPUT
     return BokehPackCoC(BokehFetchTexel(BokehColorSamp, BokehToTexture(uv)), CoC);
 }
 
+// writes colour and the same CoC for all pixels: use it to look at the polygon without depth
 float4 BokehConstantCoC_PS(BOKEH_INPUT) : BOKEH_OUTPUT
 {
     BokehUseViewport();
@@ -525,6 +545,7 @@ float4 BokehDecagonSecond_PS(BOKEH_INPUT) : BOKEH_OUTPUT
         BokehAperture(uv, 10), BokehBegin(uv, 1.0) BOKEH_LINEAR);
 }
 
+// writes one target of the first pass of any polygon of `exact`
 float4 BokehExactEdge_PS(BOKEH_INPUT) : BOKEH_OUTPUT
 {
     BokehTargets targets = BokehExactFirst(BokehColorSamp, uv, BOKEH_TARGET_INDEX + 2,
@@ -585,11 +606,14 @@ float4 BokehDepthOfFieldFinal_PS(BOKEH_INPUT) : BOKEH_OUTPUT
         BokehBegin(uv, 0.0), BokehBlurCoC > 0.5, BokehUseMax > 0.5 BOKEH_LINEAR);
 }
 
+// blurs along one line, whose angle, length and centre are parameters: a star has several lines
 float4 BokehAdaptive_PS(BOKEH_INPUT) : BOKEH_OUTPUT
 {
     return BokehAdaptiveLine(uv);
 }
 
+// blurs along one line, then combines the result with that of an earlier pass
+//   It takes the maximum of both if BokehUseMax is 1, otherwise the minimum.
 float4 BokehAdaptiveFinal_PS(BOKEH_INPUT) : BOKEH_OUTPUT
 {
     float4 a = BokehAdaptiveLine(uv);
@@ -784,6 +808,7 @@ float4 BokehComposite_PS(BOKEH_INPUT) : BOKEH_OUTPUT
         2.0) BOKEH_LINEAR);
 }
 
+// writes one target of BokehPrefilter; the entry points below do so for other passes
 float4 BokehPrefilterOne_PS(BOKEH_INPUT) : BOKEH_OUTPUT
 {
     BokehPrefiltered targets = BokehPrefilter(BokehColorSamp, BokehColorSampB,
@@ -829,12 +854,14 @@ float4 BokehHoleFillOne_PS(BOKEH_INPUT) : BOKEH_OUTPUT
     return BokehSelectTarget(targets.midFill, targets.farFill, targets.farFill, targets.farFill);
 }
 
+// writes one target of the first blur pass of one layer, for any polygon
 float4 BokehLayerEdge_PS(BOKEH_INPUT) : BOKEH_OUTPUT
 {
     BokehTargets targets = BokehLayerPolygon(uv, BOKEH_TARGET_INDEX + 2, BokehAnyAperture(uv));
     return BokehSelectTarget(targets.strip2, targets.strip3, targets.strip4, targets.strip5);
 }
 
+// writes one blurred layer, for any polygon: the second blur pass
 float4 BokehLayerSecondOne_PS(BOKEH_INPUT) : BOKEH_OUTPUT
 {
     return BokehLayerResult(uv, BokehColorSampD, BokehAnyAperture(uv));

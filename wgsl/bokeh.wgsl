@@ -145,8 +145,8 @@ const BOKEH_TUNED_REACH_START: f32 = 0.2;
 const BOKEH_TUNED_REACH_FULL: f32 = 0.5;
 
 // If the samples of `exact` have less weight than this, the pixel itself supplies the rest. With a
-// lower one, some pixels between sharp objects differ from GPU to GPU; with a higher one, less of
-// what is around a light is blurred.
+// lower one, some pixels between sharp objects differ from GPU to GPU; with a higher one, less
+// of the surroundings of a light is blurred.
 const BOKEH_TUNED_LEAST_WEIGHT: f32 = 0.0625;
 
 // -------------------------------------------------------------------------------------------------
@@ -456,8 +456,8 @@ fn BokehBrightNeighbor(ColorSamp: texture_2d<f32>, uv: vec2f, imageSize: vec2f) 
 //   it shows the light's colour. If the rim has the depth of an object in focus, it takes only the
 //   CoC of a bright light in front of the focus, inside whose blur it would show as a sharp line.
 //   The change fades in while a CoC grows from one pixel to two: the smaller of both CoC for a dark
-//   pixel, the own CoC for a rim, the light's for the rim of a bright near light. From a pixel
-//   behind the focus to a light in front of it, there is no mixture: the CoC switches.
+//   pixel, the own CoC for a rim, the light's for the rim of a bright near light. Between a
+//   pixel behind the focus and a light in front of it, the CoC switches instead of fading.
 //   CoC, lightCoC  signed, fractions of the image height
 //   weights       zw of BokehLightBeside or BokehBrightNeighbor
 //   imageHeight   pixels
@@ -559,7 +559,7 @@ fn BokehFilterCoC(CoC: f32, imageHeight: f32) -> f32
 }
 
 // Lines: returns the number of samples on a line, which need not be a whole number
-//   A sample stands for `spacing` pixels, or for more if BOKEH_NUM_SAMPLES of them would not fill
+//   A sample represents `spacing` pixels, or more if BOKEH_NUM_SAMPLES of them would not fill
 //   the line. Sample i has the weight clamp(samples - i, 0, 1):
 //
 //      |---|---|---|---|-|     4.2: five samples. The last piece grows from nothing as the line
@@ -993,7 +993,8 @@ fn BokehExactFirst(MapSamp: texture_2d<f32>, uv: vec2f, last: i32, polygon: Boke
 
 // Exact: draws the first pass of a square
 //   Reads the CoC map, blurs it along edge 1, and writes the result as strip 2, which the second
-//   pass blurs along edge 2.
+//   pass blurs along edge 2. With n samples on an edge, the two passes take 2 n fetches; a single
+//   pass would take n * n.
 //   MapSamp       from BokehSignedCoCMap; linear filter, clamp
 //   polygon       from BokehMakePolygon(4, ..); for the passes below with 6, 8 and 10
 //   returns       strip2; other polygons also strip3 and so on
@@ -1004,7 +1005,8 @@ fn BokehSquareFirst(MapSamp: texture_2d<f32>, uv: vec2f, polygon: BokehPolygon,
 }
 
 // Exact: draws the second pass of a square
-//   Reads strip 2, blurs it along edge 2, and divides the sum by its weight.
+//   Reads strip 2, blurs it along edge 2, and divides the sum by its weight. A line that is blurred
+//   along another line becomes a parallelogram, which is the whole square here.
 //   Strip2Samp    from the first pass; linear filter, clamp
 //   returns       rgb = colour, a = signed CoC, here and in the second passes below
 fn BokehSquareSecond(Strip2Samp: texture_2d<f32>, uv: vec2f, polygon: BokehPolygon,
@@ -1017,7 +1019,9 @@ fn BokehSquareSecond(Strip2Samp: texture_2d<f32>, uv: vec2f, polygon: BokehPolyg
 }
 
 // Exact: draws the first pass of a hexagon
-//   Reads the CoC map, and writes strips 2 and 3, one for each edge of the second pass.
+//   Reads the CoC map, blurs it along edges 1 and 2, and writes strips 2 and 3, one for each edge
+//   of the second pass. Strip 3 is a mean of both lines, so the second pass makes two of the three
+//   parallelograms of a hexagon from one texture.
 fn BokehHexagonFirst(MapSamp: texture_2d<f32>, uv: vec2f, polygon: BokehPolygon,
     settings: BokehSamplingSettings, BokehLinearClamp: sampler) -> BokehTargets
 {
@@ -1025,7 +1029,8 @@ fn BokehHexagonFirst(MapSamp: texture_2d<f32>, uv: vec2f, polygon: BokehPolygon,
 }
 
 // Exact: draws the second pass of a hexagon
-//   Reads the strips, blurs each along the edge of its number, and adds them up.
+//   Reads the strips, blurs each along the edge of its number, and adds them up. Each line becomes
+//   a parallelogram. They do not overlap, so the sum is a hexagon that loses no light.
 fn BokehHexagonSecond(Strip2Samp: texture_2d<f32>, Strip3Samp: texture_2d<f32>, uv: vec2f,
     polygon: BokehPolygon, settings: BokehSamplingSettings, BokehLinearClamp: sampler) -> vec4f
 {
@@ -1038,7 +1043,9 @@ fn BokehHexagonSecond(Strip2Samp: texture_2d<f32>, Strip3Samp: texture_2d<f32>, 
 }
 
 // Exact: draws the first pass of an octagon
-//   Reads the CoC map, and writes strips 2 to 4, one for each edge of the second pass.
+//   Reads the CoC map, blurs it along edges 1 to 3, and writes strips 2 to 4, one for each edge of
+//   the second pass. An octagon consists of six parallelograms: one from strip 2, two from strip 3,
+//   three from strip 4.
 fn BokehOctagonFirst(MapSamp: texture_2d<f32>, uv: vec2f, polygon: BokehPolygon,
     settings: BokehSamplingSettings, BokehLinearClamp: sampler) -> BokehTargets
 {
@@ -1046,7 +1053,8 @@ fn BokehOctagonFirst(MapSamp: texture_2d<f32>, uv: vec2f, polygon: BokehPolygon,
 }
 
 // Exact: draws the second pass of an octagon
-//   Reads the strips, blurs each along the edge of its number, and adds them up.
+//   Reads the strips, blurs each along the edge of its number, and adds them up. The sum of the six
+//   parallelograms is an octagon that loses no light.
 fn BokehOctagonSecond(Strip2Samp: texture_2d<f32>, Strip3Samp: texture_2d<f32>,
     Strip4Samp: texture_2d<f32>, uv: vec2f, polygon: BokehPolygon, settings: BokehSamplingSettings,
     BokehLinearClamp: sampler) -> vec4f
@@ -1062,7 +1070,9 @@ fn BokehOctagonSecond(Strip2Samp: texture_2d<f32>, Strip3Samp: texture_2d<f32>,
 }
 
 // Exact: draws the first pass of a decagon
-//   Reads the CoC map, and writes strips 2 to 5, one for each edge of the second pass.
+//   Reads the CoC map, blurs it along edges 1 to 4, and writes strips 2 to 5, one for each edge of
+//   the second pass. A decagon consists of ten parallelograms: one from strip 2, two from strip 3,
+//   three from strip 4, four from strip 5.
 fn BokehDecagonFirst(MapSamp: texture_2d<f32>, uv: vec2f, polygon: BokehPolygon,
     settings: BokehSamplingSettings, BokehLinearClamp: sampler) -> BokehTargets
 {
@@ -1070,7 +1080,8 @@ fn BokehDecagonFirst(MapSamp: texture_2d<f32>, uv: vec2f, polygon: BokehPolygon,
 }
 
 // Exact: draws the second pass of a decagon
-//   Reads the strips, blurs each along the edge of its number, and adds them up.
+//   Reads the strips, blurs each along the edge of its number, and adds them up. The sum of the ten
+//   parallelograms is a decagon that loses no light.
 fn BokehDecagonSecond(Strip2Samp: texture_2d<f32>, Strip3Samp: texture_2d<f32>,
     Strip4Samp: texture_2d<f32>, Strip5Samp: texture_2d<f32>, uv: vec2f, polygon: BokehPolygon,
     settings: BokehSamplingSettings, BokehLinearClamp: sampler) -> vec4f

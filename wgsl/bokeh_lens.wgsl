@@ -129,7 +129,7 @@ fn BokehWithCatsEye(polygon: BokehPolygon, uv: vec2f, imageSize: vec2f, amount: 
     let along: vec2f = BokehRotated(place, vec2f(polygon.axis.x, -polygon.axis.y)) * clamp(amount,
         0.0, 0.9);
     var uncut: BokehPolygon = polygon;
-    // an edge of the minimum length stands for no edge
+    // an edge of the minimum length means that there is none
     uncut.lengths *= clamp((polygon.lengths - 0.001) * 100000.0, vec4f(0.0, 0.0, 0.0, 0.0),
         vec4f(1.0, 1.0, 1.0, 1.0));
     return BokehUpdatePolygon(BokehCutLengths(BokehHalfWidths(uncut, along)));

@@ -33,7 +33,7 @@
 //   BokehLateralColor_PS        ColorSamp (finished)              lateral colour
 //
 //   With bokeh_layers: the table of that file lists what each pass reads, in the order of the
-//   slots, and what it writes. Besides:
+//   slots, and what it writes. In addition:
 //   * Square and hexagon blur both layers at once. Their first pass reads nearLayer, nearQuarter,
 //     farLayer, farQuarter, layerCoC, and writes strip 2 of near and far, then strip 3 of both.
 //   * Octagon and decagon blur one layer at a time: the near one with BokehLayer 0, the far one
@@ -380,6 +380,21 @@ fn BokehBothResults(uv: vec2f, NearStrip3Samp: texture_2d<f32>, FarStrip3Samp: t
         layers, BokehLinearClamp);
 }
 
+// -------------------------------------------------------------------------------------------------
+// entry points
+//
+//   An entry point sets up the parameters and calls the function that has its name. The comment of
+//   that function says what the pass reads, what it writes and why it exists. An entry point has a
+//   comment here if it does more than this, or if no function has its name:
+//   * Square, Hexagon, Octagon and Decagon are the polygon.
+//   * First and Second are the two blur passes of `exact`. First blurs along all edges of one half
+//     of the outline but the last, Second along all but the first.
+//   * LayerFirst and LayerSecond are the two blur passes of `layered`. For a square and a hexagon
+//     they call BokehLayersFirst and BokehLayersSecond, for an octagon and a decagon
+//     BokehLayerFirst and BokehLayerSecond.
+//   * One and Edge are for GPUs and engines that can write only one target in a pass.
+
+// writes depth in metres, which the passes of `paper` read instead of the depth buffer
 @fragment fn BokehLinearDepth_PS(input: BokehVertex) -> @location(0) vec4f
 {
     BokehUseViewport();
@@ -387,6 +402,9 @@ fn BokehBothResults(uv: vec2f, NearStrip3Samp: texture_2d<f32>, FarStrip3Samp: t
     return vec4f(depth, depth, depth, 1.0);
 }
 
+// writes colour and signed CoC for `exact` and `layered`
+//   It does the work of BokehSignedCoCMap, and also takes the parameters of BOKEH_FOCUS_CONTROLS. A
+//   pixel beside a light may take the CoC of the light, see BokehLightCoC.
 @fragment fn BokehSignedCoCMap_PS(input: BokehVertex) -> @location(0) vec4f
 {
     BokehUseViewport();
@@ -401,6 +419,7 @@ fn BokehBothResults(uv: vec2f, NearStrip3Samp: texture_2d<f32>, FarStrip3Samp: t
     return BokehPackCoC(BokehFetchTexel(BokehColorSamp, BokehToTexture(input.uv)), CoC);
 }
 
+// writes colour and the same CoC for all pixels: use it to look at the polygon without depth
 @fragment fn BokehConstantCoC_PS(input: BokehVertex) -> @location(0) vec4f
 {
     BokehUseViewport();
@@ -460,6 +479,7 @@ fn BokehBothResults(uv: vec2f, NearStrip3Samp: texture_2d<f32>, FarStrip3Samp: t
         input.uv, BokehAperture(input.uv, 10), BokehBegin(input.uv, 1.0), BokehLinearClamp);
 }
 
+// writes one target of the first pass of any polygon of `exact`
 @fragment fn BokehExactEdge_PS(input: BokehVertex) -> @location(0) vec4f
 {
     let targets: BokehTargets = BokehExactFirst(BokehColorSamp, input.uv, BOKEH_TARGET_INDEX + 2,
@@ -522,11 +542,14 @@ fn BokehBothResults(uv: vec2f, NearStrip3Samp: texture_2d<f32>, FarStrip3Samp: t
         bokehParameters.BokehUseMax > 0.5, BokehLinearClamp);
 }
 
+// blurs along one line, whose angle, length and centre are parameters: a star has several lines
 @fragment fn BokehAdaptive_PS(input: BokehVertex) -> @location(0) vec4f
 {
     return BokehAdaptiveLine(input.uv);
 }
 
+// blurs along one line, then combines the result with that of an earlier pass
+//   It takes the maximum of both if BokehUseMax is 1, otherwise the minimum.
 @fragment fn BokehAdaptiveFinal_PS(input: BokehVertex) -> @location(0) vec4f
 {
     let a: vec4f = BokehAdaptiveLine(input.uv);
@@ -677,6 +700,7 @@ fn BokehBothResults(uv: vec2f, NearStrip3Samp: texture_2d<f32>, FarStrip3Samp: t
         1.0, 2.0), BokehLinearClamp);
 }
 
+// writes one target of BokehPrefilter; the entry points below do so for other passes
 @fragment fn BokehPrefilterOne_PS(input: BokehVertex) -> @location(0) vec4f
 {
     let targets: BokehPrefiltered = BokehPrefilter(BokehColorSamp, BokehColorSampB,
@@ -723,6 +747,7 @@ fn BokehBothResults(uv: vec2f, NearStrip3Samp: texture_2d<f32>, FarStrip3Samp: t
     return BokehSelectTarget(targets.midFill, targets.farFill, targets.farFill, targets.farFill);
 }
 
+// writes one target of the first blur pass of one layer, for any polygon
 @fragment fn BokehLayerEdge_PS(input: BokehVertex) -> @location(0) vec4f
 {
     let targets: BokehTargets = BokehLayerPolygon(input.uv, BOKEH_TARGET_INDEX + 2,
@@ -730,6 +755,7 @@ fn BokehBothResults(uv: vec2f, NearStrip3Samp: texture_2d<f32>, FarStrip3Samp: t
     return BokehSelectTarget(targets.strip2, targets.strip3, targets.strip4, targets.strip5);
 }
 
+// writes one blurred layer, for any polygon: the second blur pass
 @fragment fn BokehLayerSecondOne_PS(input: BokehVertex) -> @location(0) vec4f
 {
     return BokehLayerResult(input.uv, BokehColorSampD, BokehAnyAperture(input.uv));

@@ -1,4 +1,4 @@
-"""What the captures of OpenGL, raylib and Panda3D share. Only validation/run engines needs it, your renderer does not.
+"""Write the captures of OpenGL, raylib and Panda3D. For validation/run engines only: your renderer does not need this.
 
 A capture is a folder with color.f16, depth.f32 (the values of the depth buffer), metres.f32, a .f16 file with the
 result of each shot, and a .written file with all targets of each layered shot. All of these contain raw rows, beginning

@@ -88,7 +88,7 @@ export const withLens = (Base, { name, choices }, { Raycaster, Vector2, Vector3 
       });
     }
 
-    // From now on, focuses on what the user clicks on: on the nearest of the clicked point and four points around it.
+    // Focuses on what the user clicks on, until stopped: on the nearest of the clicked point and four points around it.
     // The focus reaches it after five time constants (tau, in seconds). A drag, for example of camera controls, has no
     // effect. draw() is called after each step; leave it out if you have a render loop. Returns { pulling: whether the
     // focus is moving, dispose() }.

@@ -49,7 +49,7 @@ ${text.slice(0, text.lastIndexOf('}'))}
   return made;
 }
 
-// Returns a texture for the option depthTexture, with depth weighted by opacity. From now on, the RenderPass draws the
+// Returns a texture for the option depthTexture, with depth weighted by opacity. After the call, the RenderPass draws the
 // scene a second time to fill it. Each pixel of a transparent surface is then blurred as if it lay between the surface
 // and the background: the more opaque the surface is, the nearer to the surface.
 export function depthWithOpacity(renderPass) {

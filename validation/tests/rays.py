@@ -15,7 +15,7 @@ from bokeh_validation.reference import sampling
 Cell = tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]
 # Behind the focus: how much denser than its surroundings a light may be. In front of it: the weight of a sharp sample
 MOST_DENSITY, SHARP = 4.0, 0.5
-# Of other lines than rays: ratio of a sample's CoC to the pixel's from which its blur fades in, and is complete
+# For lines that are no rays: ratio of a sample's CoC to the pixel's at which its blur begins and is complete
 FADE = (0.2, 0.5)
 # Below this weight, the pixel itself supplies the rest
 LEAST_WEIGHT = 0.0625

@@ -191,8 +191,8 @@
 #define BOKEH_TUNED_REACH_FULL 0.5
 
 // If the samples of `exact` have less weight than this, the pixel itself supplies the rest. With a
-// lower one, some pixels between sharp objects differ from GPU to GPU; with a higher one, less of
-// what is around a light is blurred.
+// lower one, some pixels between sharp objects differ from GPU to GPU; with a higher one, less
+// of the surroundings of a light is blurred.
 #define BOKEH_TUNED_LEAST_WEIGHT 0.0625
 
 #if BOKEH_NUM_SAMPLES < 2
@@ -228,8 +228,8 @@
 #define BOKEH_LAYER_OUTLINES 0
 #endif
 
-// BOKEH_LOOP stands in front of a loop whose count is large, or known only at run time. fxc would
-//   unroll it without [loop]. Under DXC it is empty: [loop] would forbid the driver to unroll
+// BOKEH_LOOP marks a loop whose count is large, or known only at run time. Without [loop], fxc
+//   would unroll it. Under DXC it is empty: [loop] would forbid the driver to unroll
 //   (RADV: 2 to 16 times the latency)
 #if BOKEH_HLSL_SM == 4 || BOKEH_HLSL_SM == 5
 #define BOKEH_LOOP [loop]
@@ -580,8 +580,8 @@ float4 BokehBrightNeighbor(BOKEH_TEXTURE ColorSamp, float2 uv, float2 imageSize)
 //   it shows the light's colour. If the rim has the depth of an object in focus, it takes only the
 //   CoC of a bright light in front of the focus, inside whose blur it would show as a sharp line.
 //   The change fades in while a CoC grows from one pixel to two: the smaller of both CoC for a dark
-//   pixel, the own CoC for a rim, the light's for the rim of a bright near light. From a pixel
-//   behind the focus to a light in front of it, there is no mixture: the CoC switches.
+//   pixel, the own CoC for a rim, the light's for the rim of a bright near light. Between a
+//   pixel behind the focus and a light in front of it, the CoC switches instead of fading.
 //   CoC, lightCoC  signed, fractions of the image height
 //   weights       zw of BokehLightBeside or BokehBrightNeighbor
 //   imageHeight   pixels
@@ -682,7 +682,7 @@ float BokehFilterCoC(float CoC, float imageHeight)
 }
 
 // Lines: returns the number of samples on a line, which need not be a whole number
-//   A sample stands for `spacing` pixels, or for more if BOKEH_NUM_SAMPLES of them would not fill
+//   A sample represents `spacing` pixels, or more if BOKEH_NUM_SAMPLES of them would not fill
 //   the line. Sample i has the weight clamp(samples - i, 0, 1):
 //
 //      |---|---|---|---|-|     4.2: five samples. The last piece grows from nothing as the line
@@ -1111,7 +1111,8 @@ BokehTargets BokehExactFirst(BOKEH_TEXTURE MapSamp, float2 uv, int last, BokehPo
 
 // Exact: draws the first pass of a square
 //   Reads the CoC map, blurs it along edge 1, and writes the result as strip 2, which the second
-//   pass blurs along edge 2.
+//   pass blurs along edge 2. With n samples on an edge, the two passes take 2 n fetches; a single
+//   pass would take n * n.
 //   MapSamp       from BokehSignedCoCMap; linear filter, clamp
 //   polygon       from BokehMakePolygon(4, ..); for the passes below with 6, 8 and 10
 //   returns       strip2; other polygons also strip3 and so on
@@ -1122,7 +1123,8 @@ BokehTargets BokehSquareFirst(BOKEH_TEXTURE MapSamp, float2 uv, BokehPolygon pol
 }
 
 // Exact: draws the second pass of a square
-//   Reads strip 2, blurs it along edge 2, and divides the sum by its weight.
+//   Reads strip 2, blurs it along edge 2, and divides the sum by its weight. A line that is blurred
+//   along another line becomes a parallelogram, which is the whole square here.
 //   Strip2Samp    from the first pass; linear filter, clamp
 //   returns       rgb = colour, a = signed CoC, here and in the second passes below
 float4 BokehSquareSecond(BOKEH_TEXTURE Strip2Samp, float2 uv, BokehPolygon polygon,
@@ -1135,7 +1137,9 @@ float4 BokehSquareSecond(BOKEH_TEXTURE Strip2Samp, float2 uv, BokehPolygon polyg
 }
 
 // Exact: draws the first pass of a hexagon
-//   Reads the CoC map, and writes strips 2 and 3, one for each edge of the second pass.
+//   Reads the CoC map, blurs it along edges 1 and 2, and writes strips 2 and 3, one for each edge
+//   of the second pass. Strip 3 is a mean of both lines, so the second pass makes two of the three
+//   parallelograms of a hexagon from one texture.
 BokehTargets BokehHexagonFirst(BOKEH_TEXTURE MapSamp, float2 uv, BokehPolygon polygon,
     BokehSamplingSettings settings BOKEH_SAMPLER)
 {
@@ -1143,7 +1147,8 @@ BokehTargets BokehHexagonFirst(BOKEH_TEXTURE MapSamp, float2 uv, BokehPolygon po
 }
 
 // Exact: draws the second pass of a hexagon
-//   Reads the strips, blurs each along the edge of its number, and adds them up.
+//   Reads the strips, blurs each along the edge of its number, and adds them up. Each line becomes
+//   a parallelogram. They do not overlap, so the sum is a hexagon that loses no light.
 float4 BokehHexagonSecond(BOKEH_TEXTURE Strip2Samp, BOKEH_TEXTURE Strip3Samp, float2 uv,
     BokehPolygon polygon, BokehSamplingSettings settings BOKEH_SAMPLER)
 {
@@ -1156,7 +1161,9 @@ float4 BokehHexagonSecond(BOKEH_TEXTURE Strip2Samp, BOKEH_TEXTURE Strip3Samp, fl
 }
 
 // Exact: draws the first pass of an octagon
-//   Reads the CoC map, and writes strips 2 to 4, one for each edge of the second pass.
+//   Reads the CoC map, blurs it along edges 1 to 3, and writes strips 2 to 4, one for each edge of
+//   the second pass. An octagon consists of six parallelograms: one from strip 2, two from strip 3,
+//   three from strip 4.
 BokehTargets BokehOctagonFirst(BOKEH_TEXTURE MapSamp, float2 uv, BokehPolygon polygon,
     BokehSamplingSettings settings BOKEH_SAMPLER)
 {
@@ -1164,7 +1171,8 @@ BokehTargets BokehOctagonFirst(BOKEH_TEXTURE MapSamp, float2 uv, BokehPolygon po
 }
 
 // Exact: draws the second pass of an octagon
-//   Reads the strips, blurs each along the edge of its number, and adds them up.
+//   Reads the strips, blurs each along the edge of its number, and adds them up. The sum of the six
+//   parallelograms is an octagon that loses no light.
 float4 BokehOctagonSecond(BOKEH_TEXTURE Strip2Samp, BOKEH_TEXTURE Strip3Samp,
     BOKEH_TEXTURE Strip4Samp, float2 uv, BokehPolygon polygon,
     BokehSamplingSettings settings BOKEH_SAMPLER)
@@ -1180,7 +1188,9 @@ float4 BokehOctagonSecond(BOKEH_TEXTURE Strip2Samp, BOKEH_TEXTURE Strip3Samp,
 }
 
 // Exact: draws the first pass of a decagon
-//   Reads the CoC map, and writes strips 2 to 5, one for each edge of the second pass.
+//   Reads the CoC map, blurs it along edges 1 to 4, and writes strips 2 to 5, one for each edge of
+//   the second pass. A decagon consists of ten parallelograms: one from strip 2, two from strip 3,
+//   three from strip 4, four from strip 5.
 BokehTargets BokehDecagonFirst(BOKEH_TEXTURE MapSamp, float2 uv, BokehPolygon polygon,
     BokehSamplingSettings settings BOKEH_SAMPLER)
 {
@@ -1188,7 +1198,8 @@ BokehTargets BokehDecagonFirst(BOKEH_TEXTURE MapSamp, float2 uv, BokehPolygon po
 }
 
 // Exact: draws the second pass of a decagon
-//   Reads the strips, blurs each along the edge of its number, and adds them up.
+//   Reads the strips, blurs each along the edge of its number, and adds them up. The sum of the ten
+//   parallelograms is a decagon that loses no light.
 float4 BokehDecagonSecond(BOKEH_TEXTURE Strip2Samp, BOKEH_TEXTURE Strip3Samp,
     BOKEH_TEXTURE Strip4Samp, BOKEH_TEXTURE Strip5Samp, float2 uv, BokehPolygon polygon,
     BokehSamplingSettings settings BOKEH_SAMPLER)

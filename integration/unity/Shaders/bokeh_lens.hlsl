@@ -135,7 +135,7 @@ BokehPolygon BokehWithCatsEye(BokehPolygon polygon, float2 uv, float2 imageSize,
     float2 along = BokehRotated(place, float2(polygon.axis.x, -polygon.axis.y)) * clamp(amount, 0.0,
         0.9);
     BokehPolygon uncut = polygon;
-    // an edge of the minimum length stands for no edge
+    // an edge of the minimum length means that there is none
     uncut.lengths *= clamp((polygon.lengths - 0.001) * 100000.0, float4(0.0, 0.0, 0.0, 0.0),
         float4(1.0, 1.0, 1.0, 1.0));
     return BokehUpdatePolygon(BokehCutLengths(BokehHalfWidths(uncut, along)));

@@ -47,10 +47,10 @@ float BokehPaperDepth(BOKEH_DEPTH_TEXTURE DepthSamp, float2 uv)
         BOKEH_MAX_DEPTH);
 }
 
-// Listing 1: CoCMap, the first pass of `paper`
-//   Reads the engine's colour, and depth in metres. Writes colour and CoC into one texture, which
-//   all later passes read instead of the engine's, so only this pass has to replace invalid
-//   colours.
+// Listing 1: writes colour and CoC into one texture: CoCMap, the first pass of `paper`
+//   Reads the engine's colour, and depth in metres. All later passes read its target instead of the
+//   engine's colour, so only this pass has to replace invalid colours. A pixel and its CoC then
+//   take one fetch.
 //   ColorSamp     linear HDR scene colour, read texel by texel
 //   DepthSamp     r = metres along the view axis
 //   returns       rgb = colour, a = CoC without a sign
@@ -175,7 +175,7 @@ float4 BokehDepthOfField(BOKEH_TEXTURE ColorSamp, BOKEH_DEPTH_TEXTURE DepthSamp,
     return BokehResolve(color, totalWeight, centerPixel, blurCoC);
 }
 
-// Listing 3, adaptive: DepthOfField with only as many samples as the local CoC needs
+// Listing 3, adaptive: blurs along one line, with only as many samples as the local CoC needs
 //   The paper's future work, along a line of any length and position. A pixel in focus costs one
 //   fetch.
 //   segment       from BokehSegment

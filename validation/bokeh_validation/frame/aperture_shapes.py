@@ -37,7 +37,7 @@ class Parallelogram:
         return np.array([e1 + e2, e1 - e2, -e1 - e2, -e1 + e2])
 
 
-# From section 4.5 and Figure 10. Both parallelograms of the hexagon begin with the same line.
+# Section 4.5 and Figure 10 of the paper. Both parallelograms of the hexagon begin with the same line.
 PARALLELOGRAMS: dict[str, tuple[Parallelogram, ...]] = {
     "square": (Parallelogram(0, 90),),
     "diamond": (Parallelogram(0, 45),),

@@ -13,7 +13,7 @@ from bokeh_validation.errors import UserError
 
 ADDRESS = re.compile(r"https://[\w.-]+(?:/[\w.~-]+)+?(?:\.git)?/?")
 PYPROJECT = "integration/panda3d/pyproject.toml"
-# Folder of a package -> what of its README's relative links its archive has. Of the npm package's all.
+# Folder of a package -> the relative links of its README whose targets its archive contains; () if it has none of them
 READMES = {
     "integration/panda3d": (),
     "integration/unity": (),

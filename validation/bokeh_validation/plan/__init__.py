@@ -63,7 +63,7 @@ NOTES = (
     "WebGPU: all bindings are in `group`. A pass has a sampler if `sampler` is true. With layout 'auto', a pass "
     "also has the bindings in `unread`, which it never reads: bind the texture that is named there, or any other.",
     "`debug` is a pass that you may draw after the CoC map, instead of all other passes. BokehDebugMode 0 shows the "
-    "colour, 1 the depth, 2 the CoC, and 3 what is near and what is far.",
+    "colour, 1 the depth, 2 the CoC, and 3 the near and the far field.",
     "A constant that is not listed has the library's default, which belongs to the preset MEDIUM. For another "
     "preset, put its `define` before the files, or in WGSL set the constants that it `stands_for`. Do not define "
     "both a preset and one of its constants, since that is an error.",

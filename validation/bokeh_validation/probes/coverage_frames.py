@@ -155,7 +155,7 @@ def _steady() -> Iterator[tuple[str, Frame]]:
     yield "steady, part", in_part(frame)
 
 
-# CoC in pixels of objects in focus, and of what is around them: a wide blur; a far layer that only just exists; and
+# CoC in pixels of objects in focus, and of their surroundings: a wide blur; a far layer that only just exists; and
 # pixels outside all layers with the CoC from which the gather has an additional ring
 OUTLINES = {
     "wide blur": (0.0, 0.8, -1.6, 18.0, 20.0),

@@ -46,7 +46,7 @@ def leaked(red: np.ndarray, covered: np.ndarray) -> float:
 
 def _judge(covered: np.ndarray, outputs: dict[str, Outputs]) -> list[Check]:
     exact, naive, untested = (leaked(textures["result"][..., 0], covered) for textures in outputs.values())
-    why = "a gather in two dimensions with the same weights is what exact stands for: no more than that may leak"
+    why = "exact approximates a gather in two dimensions with the same weights: no more than that may leak"
     must = "the object must have light to leak, or this probe shows nothing"
     return [
         Check("light of the object on the background, exact / naive", exact / naive, 0.0, 1.0, why),

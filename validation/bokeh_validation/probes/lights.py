@@ -179,7 +179,7 @@ def _judge_covered(outputs: dict[str, Outputs]) -> list[Check]:
     covered_name = "light where the near object covers everything, in units of the light's bokeh"
     why = "it fades with the near edge: 1 - alpha of the polygon over the share of the far plane in the picture"
     return [
-        Check(covered_name, covered, 0.0, WHOLE + STEP, "near shares from 0.998 count as 1"),
+        Check(covered_name, covered, 0.0, WHOLE + STEP, "near weights from 0.998 on are treated as 1"),
         Check("light, in units of what the lens sees of it", blue.sum() / visible_light, 0.99, 1.01 * light_bound, why),
     ]
 

@@ -56,7 +56,7 @@ def steepest(polygon: np.ndarray) -> float:
 
 EDGE_COCS = (80, 24, 12)
 HALF_PIXEL = "texels of half the size lie half a pixel off the pixels: so is an edge, times the steepest slope"
-FILLED = "what is hidden is filled with a mean of what is around, 0.1 to 0.8; three stores, over 1 - alpha"
+FILLED = "hidden pixels are filled with a mean of their surroundings, 0.1 to 0.8; three stores, over 1 - alpha"
 
 
 def near_case(label: str, coc: float, near: np.ndarray, case_settings: methods.Settings) -> Case:
@@ -93,7 +93,7 @@ def _judge_edges(aperture: str, rotation: float, outputs: dict[str, Outputs]) ->
         filled = (behind / np.maximum(1.0 - alpha, STEP))[:, hidden]
         spread_bound = 0.5 * steepest(polygon) + WHOLE + STEP
         fill_error = 3 * STEP / (1.0 - alpha[:, hidden]).min()
-        through_name = f"what is in focus, off from 1 - alpha of it by, {label}"
+        through_name = f"objects in focus, off from 1 - alpha of them by, {label}"
         checks += [
             Check(f"alpha off from the edge spread by, {label}", spread_off, 0.0, spread_bound, HALF_PIXEL),
             Check(through_name, through_off, 0.0, 2 * STEP, "it adds nothing: two stores"),
@@ -105,7 +105,7 @@ def _judge_edges(aperture: str, rotation: float, outputs: dict[str, Outputs]) ->
 
 def edge_probe(aperture: str, rotation: float) -> Probe:
     """Return the probe of one polygon. `rotation` is in degrees."""
-    title = f"A near edge spreads over what is in focus, {aperture}"
+    title = f"A near edge spreads over objects in focus, {aperture}"
     shows = "A soft edge as a lens makes it; the checker is sharp up to the edge, and goes on behind it."
     cases = tuple(edge_case(coc, aperture, rotation) for coc in EDGE_COCS)
     judge, brief = partial(_judge_edges, aperture, rotation), aperture != "octagon"

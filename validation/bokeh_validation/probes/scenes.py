@@ -77,7 +77,7 @@ LEAKAGE = Probe(
 
 
 def _judge_silhouette(outputs: dict[str, Outputs]) -> list[Check]:
-    value = outputs["near square before a focused background"]["result"][..., 1]
+    value = outputs["near square in front of a focused background"]["result"][..., 1]
     change = float(np.abs(_outside(value - 0.25)).max())
     itself = "the background's CoC is 0, so it gathers nothing but itself: the artefact of section 2.1"
     row = value[(SQUARE[0].start + SQUARE[0].stop) // 2, SQUARE[1]]
@@ -95,7 +95,7 @@ SILHOUETTE = Probe(
     "silhouette",
     "Sharp silhouette of a defocused foreground (Figure 3)",
     "The square fades inside its outline but does not spread over it, as a lens would make it.",
-    (Case("near square before a focused background", _settings("hexagon"), *NEAR_SQUARE),),
+    (Case("near square in front of a focused background", _settings("hexagon"), *NEAR_SQUARE),),
     _judge_silhouette,
 )
 

@@ -1,6 +1,6 @@
-"""Probe layered: what is thin and lies beside or between near objects.
+"""Probe layered with thin objects beside and between near objects.
 
-Near objects are red, and what is behind them is blue, so that the light of both can be told apart in one image.
+Near objects are red, and the background is blue, so that the light of both can be told apart in one image.
 """
 
 import numpy as np
@@ -15,7 +15,7 @@ LINE = 20.0
 # The near object beside the line has less than half of the largest CoC in reach, so it is left to the gather, whose
 # samples then lie far apart
 LEFTOVER, LARGEST = 34, 76
-# A local maximum counts as a copy of the line from this fraction of the largest one on
+# A local maximum is a copy of the line if it is at least this fraction of the largest one
 COPY = 0.03
 PRESETS = ("medium", "high")
 # CoC of the line in pixels, negative in front of the focus, and preset -> copies and light kept, measured on llvmpipe

@@ -48,7 +48,7 @@ BLOCK = {
         0.0, "", "passes whose names end in Final: how two lines are combined; 0 takes the minimum, 1 the maximum"
     ),
     "BokehDebugMode": Parameter(
-        0.0, "", "pass Debug: what it shows; 0 colour, 1 depth, 2 the CoC, 3 what is near and what is far"
+        0.0, "", "pass Debug: what it shows; 0 colour, 1 depth, 2 the CoC, 3 the near and the far field"
     ),
     "BokehLineLength": Parameter(1.0, "CoC", "passes Adaptive and AdaptiveFinal: length of the line"),
     "BokehLineCenterX": Parameter(

@@ -113,7 +113,10 @@ def _figure(draw: Callable[[Driver], Drawn], *names: str, stems: Iterable[str] =
 
 DRAWINGS = (
     Drawing(("focus_pull",), focus_pull, LAYERED, (MARKET.source,)),
-    *(Drawing((name,), partial(gallery.gallery, name=name), ALL, (MARKET.source,)) for name in gallery.PICTURES),
+    *(
+        Drawing((name,), partial(gallery.gallery, name=name), ALL, gallery.sources(name))
+        for name in gallery.PICTURES
+    ),
     # a test compares these two with the data that they are drawn from
     Drawing(("frame_graph",), graph, ()),
     Drawing(("flip_by_method",), flip_by_method, ()),

@@ -1,6 +1,7 @@
-"""Draw the documents' images of market_7: shapes, focus, colour and a focus pull."""
+"""Draw the documents' images of market_7 and winter_3: shapes, focus, colour, controls and a focus pull."""
 
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 
@@ -29,6 +30,10 @@ NEAREST, FARTHEST, PULL_FRAMES, PULL_MILLISECONDS, PULL_QUALITY = 0.9, 8.0, 24, 
 
 # docs/artists.md: the lights and leaves at the left, smaller; the lens is f/2.8 at a bokeh scale of 4
 LIGHTS = (626, 20, 240, 200)
+# the farthest corner, enlarged, because a small lateral colour is one or two pixels wide
+EDGES = {"cut": (810, 8, 150, 90), "zoom": 2}
+# twigs near the lens, a train and a far window, where it is plain what is in focus
+TRAIN = {"scene": ray_traced.WINTER, "cut": (628, 196, 304, 304)}
 
 
 def wider(stop: float, scale: float, **changes: float) -> methods.Camera:
@@ -41,13 +46,13 @@ CONTROLS = {
     "f_stop": {f"f/{stop}": {"camera": wider(stop, 4.0), "cut": LIGHTS} for stop in (8.0, 5.6, 2.8)},
     "bokeh_scale": {f"bokeh scale {scale}": {"camera": wider(2.8, scale), "cut": LIGHTS} for scale in (0.0, 1.0, 4.0)},
     "focus_distance": {
-        f"focus at {metres} m": {"camera": replace(CAMERA, focus_distance=metres), "width": 240}
-        for metres in (1.0, 2.42, 8.0)
+        f"focus at {metres} m": {**TRAIN, "camera": replace(ray_traced.WINTER.camera, focus_distance=metres)}
+        for metres in (0.5, 1.07, 6.0)
     },
     "focus_range": {
-        "no sharp range": {"width": 240},
-        "20 m behind stay sharp": {"focus": methods.Focus(sharp=(0.0, 20.0)), "width": 240},
-        "near scale 0": {"focus": methods.Focus(scale=(0.0, 1.0)), "width": 240},
+        "no sharp range": TRAIN,
+        "0.6 m behind the focus stay sharp": {**TRAIN, "focus": methods.Focus(sharp=(0.0, 0.6))},
+        "near scale 0": {**TRAIN, "focus": methods.Focus(scale=(0.0, 1.0))},
     },
     "polygon": {f"{name}": {"aperture": name, "cut": LIGHTS} for name in ("square", "hexagon", "octagon", "decagon")},
     "rotation": {f"{degrees:g} degrees": {"rotation": degrees, "cut": LIGHTS} for degrees in (0.0, 15.0, 30.0)},
@@ -56,18 +61,25 @@ CONTROLS = {
     "roundness": {
         f"roundness {amount}": {"aperture": "octagon", "roundness": amount, "cut": LIGHTS} for amount in (0.0, 0.5, 1.0)
     },
-    "lateral": {f"lateral colour {amount}": {"lateral": amount, "cut": CORNER} for amount in (0.0, 0.003, 0.01)},
-    "preset": {f"preset {name.upper()}": {"preset": name, "cut": LIGHTS} for name in ("low", "medium", "high")},
+    "lateral": {f"lateral colour {amount}": {**EDGES, "lateral": amount} for amount in (0.0, 0.004, 0.012)},
+    "preset": {
+        f"preset {name.upper()}": {"preset": name, "cut": (720, 60, 120, 100), "zoom": 2}
+        for name in ("mobile", "low", "medium", "high")
+    },
 }
 
-# CoC in pixels that is shown at full brightness, in targets of `layered` with near CoC in r and far CoC in g
-MOST_SHOWN = 64.0
-OF_COC = ("tiles", "dilated tiles", "layer coc", "gather tiles")
+# Targets of `layered` with CoC, by what their channels hold (coc_of). Each row is one way from the map to a tile.
+OF_COC = (
+    {"coc": "signed", "tiles": "rg", "tiles along rows": "rg", "dilated tiles": "rg"},
+    {"gather coc": "rg", "tile gather coc": "rg", "row gather coc": "rg", "gather tiles": "ba"},
+    {"layer coc sums": "sums", "tile coc sums": "sums", "row coc sums": "sums", "layer coc": "rg"},
+)
 # targets with colour
 TARGETS = (
-    ("near", "near quarter", "near strip 2", "near blurred"),
-    ("far", "far quarter", "far strip 2", "far blurred"),
-    ("mid with holes", "mid fill", "far with holes", "far fill"),
+    ("near", "near quarter", "near strip 2", "near strip 3"),
+    ("far", "far quarter", "far strip 2", "far strip 3"),
+    ("near blurred", "far blurred", "mid with holes", "mid fill"),
+    ("far with holes", "far fill", "result"),
 )
 # file -> rows of images: caption -> arguments of drawn()
 PICTURES = {
@@ -92,47 +104,73 @@ PICTURES = {
         | {f"axial colour, {lens}: near lights": AXIAL | axial | {"camera": NEAR} for lens, axial in LENSES.items()},
     ],
     **{f"control_{name}": [views] for name, views in CONTROLS.items()},
-    "layers": [
-        {name: {"target": name, "width": 240, "scale": 1.0 / MOST_SHOWN} for name in OF_COC},
-        *({name: {"target": name, "width": 240} for name in names} for names in TARGETS),
+    "layers": [{name: {"target": name, "width": 240} for name in names} for names in TARGETS],
+    "layers_coc": [
+        {name: {"target": name, "width": 240, "channels": kind} for name, kind in row.items()} for row in OF_COC
     ],
 }
+
+# CoC in pixels that is shown at full brightness
+MAX_SHOWN_COC = 64.0
+
+
+def coc_of(texture: np.ndarray, channels: str) -> np.ndarray:
+    """Return the near CoC in red and the far CoC in green of a target (H, W, 4), as 8-bit rgb. 64 pixels are shown at
+    full brightness, and a quarter of that at half.
+
+    channels  "rg", "ba": they hold the near and the far CoC, pixels
+              "signed": alpha holds the signed CoC of the map, fraction of the image height
+              "sums": CoC / 8 times weight and weight, of the near and of the far layer
+    """
+    if channels == "signed":
+        signed = texture[..., 3] * texture.shape[0]
+        near, far = -signed, signed
+    elif channels == "sums":
+        weights = np.maximum(texture[..., 1::2], 1e-6)
+        near, far = np.moveaxis(np.where(texture[..., 1::2] > 1e-4, 8.0 * texture[..., ::2] / weights, 0.0), -1, 0)
+    else:
+        near, far = (texture[..., "rgba".index(channel)] for channel in channels)
+    shown = np.sqrt(np.clip(np.stack([near, far, 0.0 * near], axis=-1) / MAX_SHOWN_COC, 0.0, 1.0))
+    return (255.0 * shown).astype(np.uint8)
 
 
 def drawn(
     driver: Driver, method: str = "layered", aperture: str = "hexagon", exposure: float = 1.6,
-    metres: float | None = None, cut: tuple[int, int, int, int] | None = None, axial: tuple[float, float] = (0.0, 0.0),
-    target: str = "result", width: int = 480, scale: float = 0.0, **changes,
+    scene: ray_traced.SceneFile = ray_traced.MARKET, metres: float | None = None,
+    cut: tuple[int, int, int, int] | None = None, zoom: int = 1, axial: tuple[float, float] = (0.0, 0.0),
+    target: str = "result", width: int = 480, channels: str = "color", **changes,
 ) -> np.ndarray:  # fmt: skip
-    """Draw market_7 as 8-bit rgb (H, W, 3), cropped or scaled.
+    """Draw a scene as 8-bit rgb (H, W, 3), cropped or scaled.
 
-    metres   a constant depth instead of the scene's
-    cut      left, top, width, height of a crop, pixels; None: the whole image, scaled to about `width` pixels
-    axial    shift of the map's CoC for red and for blue: the frame is drawn three times, for one channel each
-    target   texture to show
-    scale    brightness per pixel of CoC in a target with near CoC in red and far CoC in green; 0: the target holds
-             colour
-    changes  of the settings
+    metres    a constant depth instead of the scene's
+    cut       left, top, width, height of a crop, pixels; None: the whole image, scaled to about `width` pixels
+    zoom      factor by which a crop is enlarged
+    axial     shift of the map's CoC for red and for blue: the frame is drawn three times, for one channel each
+    target    texture to show
+    channels  what they hold: "color", or one of `coc_of`
+    changes   of the settings
     """
-    case = ray_traced.scene_case(ray_traced.MARKET, method, aperture)
+    case = ray_traced.scene_case(scene, method, aperture)
     depth = case.depth if metres is None else np.full_like(case.depth, metres)
     case = replace(case, depth=depth, settings=replace(case.settings, **changes))
     (first, *later_passes), textures = case.plan.passes, case.textures()
     coc = driver.run([first], textures, case.size, keep=("coc",))["coc"]
     results = {}
     for shift in {axial[0], 0.0, axial[1]}:
-        with_shifted_coc = {**textures, "coc": coc + np.float16([0.0, 0.0, 0.0, shift])}
-        results[shift] = driver.run(later_passes, with_shifted_coc, case.size, keep=(target,))[target]
-    channels = [results[shift][..., k] for k, shift in enumerate((axial[0], 0.0, axial[1]))]
-    pixels = pictures.filmic(np.stack(channels, axis=-1), exposure)
-    if scale:
-        colored = np.clip(np.stack([channels[0], channels[1], 0.0 * channels[1]], axis=-1) * scale, 0.0, 1.0)
-        pixels = (255.0 * colored).astype(np.uint8)
+        shifted = coc + np.float16([0.0, 0.0, 0.0, shift])
+        inputs = {**textures, "coc": shifted}
+        kept = shifted if target == "coc" else driver.run(later_passes, inputs, case.size, keep=(target,))[target]
+        results[shift] = kept
+    if channels == "color":
+        by_channel = [results[shift][..., k] for k, shift in enumerate((axial[0], 0.0, axial[1]))]
+        pixels = pictures.filmic(np.stack(by_channel, axis=-1), exposure)
+    else:
+        pixels = coc_of(results[0.0].astype(np.float64), channels)
     while not cut and pixels.shape[1] <= width // 2:
         pixels = pixels.repeat(2, axis=0).repeat(2, axis=1)
     while not cut and pixels.shape[1] > width:
         pixels = captioned.halved(pixels)
-    return captioned.crop(pixels, *cut) if cut else pixels
+    return captioned.enlarged(captioned.crop(pixels, *cut), zoom) if cut else pixels
 
 
 def pull(driver: Driver) -> list[np.ndarray]:
@@ -141,6 +179,12 @@ def pull(driver: Driver) -> list[np.ndarray]:
     distances = 1.0 / (1.0 / NEAREST + way * (1.0 / FARTHEST - 1.0 / NEAREST))
     forward = [drawn(driver, camera=replace(CAMERA, focus_distance=float(metres))) for metres in distances]
     return [*forward, *forward[-2:0:-1]]
+
+
+def sources(name: str) -> tuple[Path, ...]:
+    """Return the pinhole images of the scenes that one of PICTURES shows."""
+    scenes = {view.get("scene", ray_traced.MARKET) for row in PICTURES[name] for view in row.values()}
+    return tuple(sorted(scene.source for scene in scenes))
 
 
 def gallery(driver: Driver, name: str) -> dict[str, np.ndarray]:

@@ -138,7 +138,7 @@ def test_bad_depth_of_every_convention(kind, driver):
 
 CAMERAS = {
     "focus at the focal length": methods.Camera(0.05, 0.05, 0.05, max_coc=0.2),
-    "focus before it": methods.Camera(0.05, 0.05, 0.01, max_coc=0.2),
+    "focus in front of it": methods.Camera(0.05, 0.05, 0.01, max_coc=0.2),
     "focus at the camera": methods.Camera(0.05, 0.05, 0.0, max_coc=0.2),
     "focus at 1e9": methods.Camera(0.05, 0.05, 1e9, max_coc=0.2),
     "focus at the largest float": methods.Camera(0.05, 0.05, 3.4e38, max_coc=0.2),

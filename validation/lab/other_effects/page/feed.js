@@ -1,5 +1,5 @@
-// How a scene is handed to an engine: a quad over the whole picture that writes its colour, and its depth as the
-// engine's camera would have left it. Rows are turned round, so that the picture stands upright.
+// Hands a scene to an engine: a quad over the whole image that writes the scene's colour, and its depth as the engine's
+// camera would have left it. The order of rows is reversed, so that the image is upright.
 
 export const VERTEX = `
 varying vec2 peerAt;
