@@ -1382,7 +1382,7 @@ BokehGather BokehGatherRing(BokehGather before, BOKEH_TEXTURE MapSamp, BokehRing
         vec2 alongEdge = direction * BokehEdgeLength(edge, polygon);
         vec2 along = alongEdge / float(ring.onEdge);
         // each edge represents the triangle from the centre to it
-        float cell = (corner.x * along.y - corner.y * along.x) / (8.0 * polygon.area);
+        float sampleArea = (corner.x * along.y - corner.y * along.x) / (8.0 * polygon.area);
         for (int i = ring.first; i < ring.end; i++)
         {
             vec2 upright = corner + along * (float(i) + phase);
@@ -1402,7 +1402,7 @@ BokehGather BokehGatherRing(BokehGather before, BOKEH_TEXTURE MapSamp, BokehRing
             vec2 inverse = clamp(BokehSpreadInverse(CoC), gather.bounds.xx,
                 gather.bounds.yy);
             vec2 covers = max(min(1.0 - innerSquare * inverse, area * inverse), zero);
-            covers = cell * (covers + (ownCovers - covers) * isBehind);
+            covers = sampleArea * (covers + (ownCovers - covers) * isBehind);
             vec2 inFar = covers * clamp(CoC * gather.slopes.y - 2.0, zero, one);
             covers = covers * (1.0 - clamp(CoC * -gather.slopes.x - 2.0, zero, one)) - inFar;
             gather.farFound += inFar.x + inFar.y;

@@ -37,8 +37,8 @@ def _bytes(shown: np.ndarray) -> np.ndarray:
 
 def heat(distance: np.ndarray, full: float) -> np.ndarray:
     """Map distances (H, W) to 8-bit rgb: black at 0, then red, yellow, and white from `full` on."""
-    share = np.clip(distance / full, 0.0, 1.0)
-    return (np.stack([np.clip(3 * share - k, 0.0, 1.0) for k in range(3)], axis=-1) * 255).astype(np.uint8)
+    fraction = np.clip(distance / full, 0.0, 1.0)
+    return (np.stack([np.clip(3 * fraction - k, 0.0, 1.0) for k in range(3)], axis=-1) * 255).astype(np.uint8)
 
 
 def encoded(pixels: np.ndarray, kind: str, **options: object) -> bytes:

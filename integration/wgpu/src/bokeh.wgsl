@@ -1719,7 +1719,7 @@ for (var edge: i32 = 1; edge <= polygon.sides / 2; edge++)
 {
 let alongEdge: vec2f = direction * BokehEdgeLength(edge, polygon);
 let along: vec2f = alongEdge / f32(ring.onEdge);
-let cell: f32 = (corner.x * along.y - corner.y * along.x) / (8.0 * polygon.area);
+let sampleArea: f32 = (corner.x * along.y - corner.y * along.x) / (8.0 * polygon.area);
 for (var i: i32 = ring.first; i < ring.end; i++)
 {
 let upright: vec2f = corner + along * (f32(i) + phase);
@@ -1737,7 +1737,7 @@ gather.nearWeight);
 let inverse: vec2f = clamp(BokehSpreadInverse(CoC), gather.bounds.xx,
 gather.bounds.yy);
 var covers: vec2f = max(min(1.0 - innerSquare * inverse, area * inverse), zero);
-covers = cell * (covers + (ownCovers - covers) * isBehind);
+covers = sampleArea * (covers + (ownCovers - covers) * isBehind);
 let inFar: vec2f = covers * clamp(CoC * gather.slopes.y - 2.0, zero, one);
 covers = covers * (1.0 - clamp(CoC * -gather.slopes.x - 2.0, zero, one)) - inFar;
 gather.farFound += inFar.x + inFar.y;

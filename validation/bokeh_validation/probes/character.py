@@ -18,14 +18,14 @@ COC, ROTATION = 40, 7.0
 APERTURES = ("hexagon", "octagon")
 
 
-def whole(aperture: str) -> Bokeh:
+def plain_bokeh(aperture: str) -> Bokeh:
     """Return the bokeh of the light through a lens without character."""
     return Bokeh(polygon_of(aperture, ROTATION, COC), SIZE, pixel_center(*PLACE))
 
 
 def lit(label: str, aperture: str = "hexagon", **changes) -> Case:
     """Return a case of one bright pixel in the exact method at one sample per pixel; `changes` are to its settings."""
-    return whole(aperture).case(label, replace(exact.settings(aperture, ROTATION, SIZE, COC), **changes))
+    return plain_bokeh(aperture).case(label, replace(exact.settings(aperture, ROTATION, SIZE, COC), **changes))
 
 
 # ------------------------------------------------------------------------------------------------------------ cat's eye
@@ -53,13 +53,13 @@ def cut(aperture: str, x: float, y: float) -> Bokeh:
 
 
 @lru_cache
-def cut_share(aperture: str) -> np.ndarray:
+def cut_light(aperture: str) -> np.ndarray:
     """Return the fraction of the light that each pixel receives, (H, W): from its own polygon, as cut at that pixel.
 
     This follows the definition, without edges and lengths: a point is inside the cut polygon if it is inside the
     polygon shifted to either side.
     """
-    polygon, share = polygon_of(aperture, ROTATION, COC), np.zeros(SIZE[::-1])
+    polygon, received = polygon_of(aperture, ROTATION, COC), np.zeros(SIZE[::-1])
     light, reach, steps = np.array(pixel_center(*PLACE)), COC // 2 + 1, (np.arange(8) + 0.5) / 8
     for row in range(PLACE[1] - reach, PLACE[1] + reach + 1):
         for column in range(PLACE[0] - reach, PLACE[0] + reach + 1):
@@ -67,8 +67,8 @@ def cut_share(aperture: str) -> np.ndarray:
             x, y = np.meshgrid(light[0] - column - steps, light[1] - row - steps)
             within = geometry.inside(polygon + moved, x, y) & geometry.inside(polygon - moved, x, y)
             if within.any():
-                share[row, column] = within.mean() / cut(aperture, column + 0.5, row + 0.5).area
-    return share
+                received[row, column] = within.mean() / cut(aperture, column + 0.5, row + 0.5).area
+    return received
 
 
 def _judge_cut(outputs: dict[str, Outputs]) -> list[Check]:
@@ -79,14 +79,14 @@ def _judge_cut(outputs: dict[str, Outputs]) -> list[Check]:
         "pixels"
     )
     for aperture, textures in outputs.items():
-        share, plain = cut_share(aperture), whole(aperture)
+        expected, plain = cut_light(aperture), plain_bokeh(aperture)
         shape, value = cut(aperture, *plain.middle), (textures["result"][..., 1] - AMBIENT) / PEAK
-        edge, overlap_bound = shape.edge(outline_error) / shape.area / 4, shape.least_overlap(outline_error)
-        uncut = overlap(share, plain.coverage / plain.area)
-        light_kept = value.sum() / share.sum()
+        edge, overlap_bound = shape.edge(outline_error) / shape.area / 4, shape.min_overlap(outline_error)
+        uncut = overlap(expected, plain.coverage / plain.area)
+        light_kept = value.sum() / expected.sum()
         checks += [
             Check(f"light, in units of the lens's, {aperture}", light_kept, 1 - edge, 1 + edge, why),
-            Check(f"overlap with the cut polygon, {aperture}", overlap(value, share), overlap_bound, 1.0, why),
+            Check(f"overlap with the cut polygon, {aperture}", overlap(value, expected), overlap_bound, 1.0, why),
             Check(f"the whole polygon overlaps less, {aperture}", uncut, 0.0, overlap_bound, "it shows"),
         ]
     return checks
@@ -107,24 +107,24 @@ LATERAL = {"red larger": 0.05, "blue larger": -0.05}
 CHANNELS = ("red", "green", "blue")
 
 
-def _color_checks(label: str, share: np.ndarray, bokeh: Bokeh, off: float) -> list[Check]:
+def _color_checks(label: str, shown: np.ndarray, bokeh: Bokeh, off: float) -> list[Check]:
     """Check light, position and outline in one channel.
 
-    share  (H, W): fraction of the light at each pixel
+    shown  (H, W): fraction of the light at each pixel
     bokeh  what it must be
     off    how far the outline may be off, pixels
     """
     y, x = np.mgrid[: bokeh.size[1], : bokeh.size[0]] + 0.5
     # the surroundings may be stored a step off; summed over so many pixels far from the light, that would shift its
     # centroid
-    light = share - np.median(share)
+    light = shown - np.median(shown)
     moved = np.linalg.norm(np.array([(light * x).sum(), (light * y).sum()]) / light.sum() - bokeh.middle)
     slip = HALF_LIGHT * np.linalg.norm(bokeh.corners, axis=1).max()
-    overlap_with_polygon, outline = overlap(share * bokeh.area, bokeh.coverage), f"known to {off} pixels"
+    overlap_with_polygon, outline = overlap(shown * bokeh.area, bokeh.coverage), f"known to {off} pixels"
     return [
-        Check(f"light, {label}", share.sum(), 1 - HALF_LIGHT, 1 + HALF_LIGHT, ROUNDED),
+        Check(f"light, {label}", shown.sum(), 1 - HALF_LIGHT, 1 + HALF_LIGHT, ROUNDED),
         Check(f"middle off by, {label} (pixels)", moved, 0.0, slip, "HALF_LIGHT of the light, at a corner"),
-        Check(f"overlap with its polygon, {label}", overlap_with_polygon, bokeh.least_overlap(off), 1.0, outline),
+        Check(f"overlap with its polygon, {label}", overlap_with_polygon, bokeh.min_overlap(off), 1.0, outline),
     ]
 
 
@@ -132,16 +132,16 @@ def _judge_lateral(outputs: dict[str, Outputs]) -> list[Check]:
     """Check each channel: an image scaled by s has s^2 times the light. The outline may be off by half a pixel, and by
     another half for resampling.
     """
-    checks, plain, image_middle = [], whole("hexagon"), np.array(SIZE) / 2
+    checks, plain, image_middle = [], plain_bokeh("hexagon"), np.array(SIZE) / 2
     for label, amount in LATERAL.items():
         for channel, scale in enumerate((1.0 + amount, 1.0, 1.0 - amount)):
             name = f"{label}, {CHANNELS[channel]}"
-            share = (outputs[label]["result"][..., channel] - AMBIENT) / (PEAK * scale**2)
+            shown = (outputs[label]["result"][..., channel] - AMBIENT) / (PEAK * scale**2)
             middle = image_middle + (np.array(plain.middle) - image_middle) * scale
             bokeh = Bokeh(polygon_of("hexagon", ROTATION, COC * scale), SIZE, tuple(middle))
-            checks += _color_checks(name, share, bokeh, 0.5 + 0.5 * (scale != 1.0))
+            checks += _color_checks(name, shown, bokeh, 0.5 + 0.5 * (scale != 1.0))
             if scale != 1.0:
-                unmoved, overlap_bound = overlap(share * plain.area, plain.coverage), checks[-1].low
+                unmoved, overlap_bound = overlap(shown * plain.area, plain.coverage), checks[-1].low
                 checks.append(Check(f"green's place overlaps less, {name}", unmoved, 0.0, overlap_bound, "it shows"))
     return checks
 

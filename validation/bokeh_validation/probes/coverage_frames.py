@@ -145,13 +145,13 @@ def _steady() -> Iterator[tuple[str, Frame]]:
     velocity[:, ::9, 0] = 0.4
     velocity[2::5, ::4, 0], velocity[3::5, ::4, 1] = np.nan, -np.inf
     history[..., 3] = random.uniform(-0.25, 0.25, (height, width))
-    for share in (0.0, 1.0, 3.0, -1.0, 0.25):
+    for blend in (0.0, 1.0, 3.0, -1.0, 0.25):
         frame = of_settings(EXACT)
         # CoC below one pixel behind the focus
         frame.textures["color"][:, ::3, :3] = 0.0
-        passes = methods.steadied(methods.Plan(frame.passes, {}), SIZE, share).passes[:2]
+        passes = methods.steadied(methods.Plan(frame.passes, {}), SIZE, blend).passes[:2]
         frame = replace(frame, passes=passes, textures={**frame.textures, "velocity": velocity, "history": history})
-        yield f"steady, {share}", frame
+        yield f"steady, {blend}", frame
     yield "steady, part", in_part(frame)
 
 

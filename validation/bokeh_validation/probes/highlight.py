@@ -69,7 +69,7 @@ class Bokeh:
         """Return the area that changes if the outline is off by `off` pixels."""
         return off * geometry.perimeter(self.corners)
 
-    def least_overlap(self, off: float) -> float:
+    def min_overlap(self, off: float) -> float:
         """Return the overlap with a shape whose outline is off by `off` pixels."""
         return (self.area - self.edge(off)) / (self.area + self.edge(off))
 
@@ -78,15 +78,15 @@ class Bokeh:
         image = impulse_image([(int(self.middle[0]), int(self.middle[1]))], self.size)
         return Case(label, settings, image, depth_of(self.size, depth))
 
-    def checks(self, label: str, share: np.ndarray, light_off: float, overlap_least: float) -> list[Check]:
-        """Return checks of light and overlap; share (H, W) is the fraction of the light at each pixel."""
-        overlap_with_polygon = overlap(share * self.area, self.coverage)
+    def checks(self, label: str, light: np.ndarray, light_off: float, min_overlap: float) -> list[Check]:
+        """Return checks of light and overlap; light (H, W) is the fraction of the light at each pixel."""
+        overlap_with_polygon = overlap(light * self.area, self.coverage)
         return [
-            Check(f"light kept, {label}", share.sum(), 1 - light_off, 1 + light_off, ROUNDED),
+            Check(f"light kept, {label}", light.sum(), 1 - light_off, 1 + light_off, ROUNDED),
             Check(
                 f"overlap with the polygon, {label}",
                 overlap_with_polygon,
-                overlap_least,
+                min_overlap,
                 1.0,
                 "asked for at a sample a pixel",
             ),

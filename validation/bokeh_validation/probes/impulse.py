@@ -113,9 +113,7 @@ def probe(aperture: str) -> Probe:
     upright, turned = (
         point_case(f"{turn:g} degrees", constant_coc(aperture, turn), (CENTER,), SIZE) for turn in (0.0, ROTATION)
     )
-    shows = (
-        f"A {aperture} of CoC {COC} pixels, upright and rotated by {ROTATION:g} degrees, with straight, sharp sides."
-    )
+    shows = f"A {aperture} of CoC {COC} pixels, upright and rotated by {ROTATION:g} degrees. Its sides are sharp."
     title = f"One bright pixel becomes a {aperture} (Figure {FIGURES[aperture]})"
     judge, brief = partial(_judge, aperture), aperture != "octagon"
     return Probe(f"impulse-{aperture}", title, shows, (upright, turned), judge, brief)

@@ -6,7 +6,7 @@ import numpy as np
 
 from bokeh_validation.probes.highlight import Bokeh, block, polygon_of
 from bokeh_validation.probes.model import Case, Check, Outputs, Probe, depth_of, flat, overlap, pixel_center
-from bokeh_validation.probes.near_edges import CAMERA, SIZE, STEP, WHOLE, checker, edge_spread, metres, settings
+from bokeh_validation.probes.near_edges import CAMERA, SIZE, STEP, UNCOVERED, checker, edge_spread, metres, settings
 
 LIGHT = 800.0
 # Blue around the lights; a half float near zero would be off by thousands of steps from a filter's rounding next to a
@@ -60,8 +60,10 @@ def mean_spread(first: Bokeh, pixels: int) -> np.ndarray:
     first   the bokeh of the light's upper left pixel
     pixels  side of the light
     """
-    share = first.coverage / first.area
-    return sum(np.roll(share, (row, column), (0, 1)) for row in range(pixels) for column in range(pixels)) / pixels**2
+    fraction = first.coverage / first.area
+    return (
+        sum(np.roll(fraction, (row, column), (0, 1)) for row in range(pixels) for column in range(pixels)) / pixels**2
+    )
 
 
 def _judge_lights(pixels: int, outputs: dict[str, Outputs]) -> list[Check]:
@@ -78,9 +80,7 @@ def _judge_lights(pixels: int, outputs: dict[str, Outputs]) -> list[Check]:
         elif abs(coc) < 80:
             # a far light below 12.4 pixels is gathered, in two rings 1/5 of the CoC apart, with 19 samples: each of
             # them finds the whole light once, so they cover as many pixels of the hexagon as 19 lights
-            overlap_bound = light_bokeh(coc, pixels, size).least_overlap(
-                max(0.5, coc / 10.0) if 0 < coc < 12.4 else 0.5
-            )
+            overlap_bound = light_bokeh(coc, pixels, size).min_overlap(max(0.5, coc / 10.0) if 0 < coc < 12.4 else 0.5)
             why = "texels of half the size lie half a pixel off the pixels; the gather's rings are known to half a step"
             if 0 < coc < 12.4:
                 overlap_bound = min(overlap_bound, 19 * pixels**2 / (0.6495 * coc**2))
@@ -133,7 +133,7 @@ def _judge_silhouette(outputs: dict[str, Outputs]) -> list[Check]:
     sharp, behind = result[:, :EDGE], result[:, EDGE:]
     error = np.abs(sharp[..., 1] / checker(SIZE).astype(np.float16)[:, :EDGE] - 1.0).max()
     darkest = behind[..., 0].min() / float(np.float16(BEHIND))
-    rim = "no dark rim: a mean of one colour; the layer and its share are cut off three times, the picture once"
+    rim = "no dark rim: a mean of one colour; the layer and its weight are cut off three times, the image once"
     light = behind[..., 2].sum() / (far_spread(EDGE + BESIDE)[:, EDGE:].sum() * 9.0 * LIGHT)
     why = "what the silhouette hides is taken like the rest; a pixel beside it sees half of its polygon or more"
     return [
@@ -177,9 +177,9 @@ def _judge_covered(outputs: dict[str, Outputs]) -> list[Check]:
     visible_light = spread[:, x < (COVER + (EDGE + 0.5) * ratio) / (1 + ratio)].sum()
     light_bound = (spread * (1.0 - alpha) / np.maximum(1.0 - hidden, STEP)).sum() / visible_light
     covered_name = "light where the near object covers everything, in units of the light's bokeh"
-    why = "it fades with the near edge: 1 - alpha of the polygon over the share of the far plane in the picture"
+    why = "it fades with the near edge: 1 - alpha of the polygon over the fraction of the far plane in the image"
     return [
-        Check(covered_name, covered, 0.0, WHOLE + STEP, "near weights from 0.998 on are treated as 1"),
+        Check(covered_name, covered, 0.0, UNCOVERED + STEP, "near weights from 0.998 on are treated as 1"),
         Check("light, in units of what the lens sees of it", blue.sum() / visible_light, 0.99, 1.01 * light_bound, why),
     ]
 

@@ -17,8 +17,8 @@ CAMERA = methods.Camera(aperture_diameter=1.0, focal_length=0.05, focus_distance
 SIZE = (96, 64)
 # One store in a half float that truncates: a step of 2^-10 at most
 STEP = 2.0**-10
-# A pixel is treated as covered from a near weight of 0.998
-WHOLE = 0.002
+# Largest part of a pixel that may be uncovered while the pixel is treated as covered: a near weight of 0.998
+UNCOVERED = 0.002
 INFINITY = float("inf")
 
 
@@ -91,7 +91,7 @@ def _judge_edges(aperture: str, rotation: float, outputs: dict[str, Outputs]) ->
         through_off = np.abs(behind - (1.0 - alpha) * checker((width, height)))[:, x >= edge].max()
         hidden = (x < edge) & (edge - x < 0.3 * coc)
         filled = (behind / np.maximum(1.0 - alpha, STEP))[:, hidden]
-        spread_bound = 0.5 * steepest(polygon) + WHOLE + STEP
+        spread_bound = 0.5 * steepest(polygon) + UNCOVERED + STEP
         fill_error = 3 * STEP / (1.0 - alpha[:, hidden]).min()
         through_name = f"objects in focus, off from 1 - alpha of them by, {label}"
         checks += [

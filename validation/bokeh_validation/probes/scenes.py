@@ -58,7 +58,7 @@ def _judge_leakage(outputs: dict[str, Outputs]) -> list[Check]:
     same = "CoC 0: every sample is the pixel itself; three stores of one step each"
     return [
         Check("light leaked without the fix (pixels of the square)", without, 0.5 * expected, 2.0 * expected, why),
-        Check("leaked with the fix, share of that without", leaked / without, 0.0, 2.0 / line, strip),
+        Check("leaked with the fix, as a fraction of the leak without it", leaked / without, 0.0, 2.0 / line, strip),
         Check("the focused square keeps its colour (relative)", change, 0.0, 3 * HALF_STEP, same),
     ]
 

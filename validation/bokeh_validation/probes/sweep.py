@@ -19,8 +19,8 @@ def hills() -> np.ndarray:
     for axis, length in ((0, height), (1, width)):
         place = np.arange(length) / 6.0
         first = place.astype(int)
-        share = np.expand_dims(place - first, (1 - axis, 2))
-        values = values.take(first, axis) * (1.0 - share) + values.take(first + 1, axis) * share
+        weight = np.expand_dims(place - first, (1 - axis, 2))
+        values = values.take(first, axis) * (1.0 - weight) + values.take(first + 1, axis) * weight
     color = flat(SWEEP_SIZE)
     color[..., :3] = values
     return color

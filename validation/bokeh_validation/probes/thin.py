@@ -14,7 +14,7 @@ MIDDLE, ROW = SIZE[0] // 2, SIZE[1] // 2
 LINE = 20.0
 # The near object beside the line has less than half of the largest CoC in reach, so it is left to the gather, whose
 # samples then lie far apart
-LEFTOVER, LARGEST = 34, 76
+GATHERED, LARGEST = 34, 76
 # A local maximum is a copy of the line if it is at least this fraction of the largest one
 COPY = 0.03
 PRESETS = ("medium", "high")
@@ -54,7 +54,7 @@ def line_case(coc: int, preset: str) -> Case:
     """Return a vertical line, a pixel wide, on black of the same CoC in pixels, and near objects left of it."""
     color, depth = flat(SIZE), depth_of(SIZE, metres(coc, SIZE[1]))
     color[:, MIDDLE, 2] = LINE
-    for edge, near_coc in ((MIDDLE - 20, LEFTOVER), (MIDDLE - 56, LARGEST)):
+    for edge, near_coc in ((MIDDLE - 20, GATHERED), (MIDDLE - 56, LARGEST)):
         color[:, :edge, 0] = 0.5
         depth[:, :edge] = metres(-near_coc, SIZE[1])
     return Case(f"a line of CoC {coc}, {preset.upper()}", settings(preset=preset), color, depth)

@@ -67,7 +67,7 @@ def _judge_min(aperture: str, outputs: dict[str, Outputs]) -> list[Check]:
     why = "the analytic false shape, its boundary known to half a pixel; it must not be zero"
     bright = "both blurs have light 1, within the ripple of their samples"
     return [
-        Check("light in false shapes (share of one highlight)", false_light, light_minimum, light_maximum, why),
+        Check("light in false shapes (fraction of one highlight)", false_light, light_minimum, light_maximum, why),
         Check("brightest false pixel (plateaus)", value[outside].max(), 0.5, 1 + ripple(aperture), bright),
     ]
 
@@ -78,12 +78,12 @@ def _judge_max(aperture: str, outputs: dict[str, Outputs]) -> list[Check]:
     # where the formula predicts that one of two highlights is missing, without a border of one pixel
     missing = truth - predicted > 0.5
     inner, ripple_bound = ~grown(~missing), ripple(aperture)
-    light_shown, predicted_share = (image[inner].mean() / truth[inner].mean() for image in (value, predicted))
-    why = f"the analytic shapes give {predicted_share:.3f}, within the ripple of the samples"
-    low, high = predicted_share - ripple_bound, predicted_share + ripple_bound
+    light_shown, predicted_fraction = (image[inner].mean() / truth[inner].mean() for image in (value, predicted))
+    why = f"the analytic shapes give {predicted_fraction:.3f}, within the ripple of the samples"
+    low, high = predicted_fraction - ripple_bound, predicted_fraction + ripple_bound
     return [
         Check("area with light missing (pixels)", float(missing.sum()), 10.0, float("inf"), "the artefact must show"),
-        Check("light shown there, share of the correct sum", light_shown, low, high, why),
+        Check("light shown there, fraction of the correct sum", light_shown, low, high, why),
     ]
 
 

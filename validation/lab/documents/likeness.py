@@ -20,17 +20,17 @@ CAPTIONS = {
 # scene, without the factor of its lens -> left and top of its detail; width, height
 PLACES, DETAIL_SIZE = {"market_7": (600, 220), "street_11": (225, 150), "canopy_12": (100, 100)}, (240, 160)
 # Scenes that are drawn as a whole, at half size
-WHOLE = (ray_traced.MARKET, ray_traced.WINTER)
+SHOWN_WHOLE = (ray_traced.MARKET, ray_traced.WINTER)
 
 
 def names(scene: ray_traced.SceneFile) -> list[str]:
     """Return the file names of a scene's pictures: as a whole, and a detail of those that methods are measured on."""
     detail = [f"likeness_{scene.name}_detail"] if scene in ray_traced.SCENES else []
-    return detail + ([f"likeness_{scene.name}"] if scene in WHOLE else [])
+    return detail + ([f"likeness_{scene.name}"] if scene in SHOWN_WHOLE else [])
 
 
 def likeness(driver: Driver, scene: ray_traced.SceneFile) -> dict[str, np.ndarray]:
-    """Draw a detail at twice its size, and the scenes of WHOLE at half size; returns file name -> 8-bit rgb."""
+    """Draw a detail at twice its size, and the scenes of SHOWN_WHOLE at half size; returns file name -> 8-bit rgb."""
     exposed = {}
 
     def shown(label: str) -> np.ndarray:

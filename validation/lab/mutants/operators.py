@@ -86,7 +86,7 @@ OPERATORS: dict[str, tuple[str, Callable[[re.Match, Types], str]]] = {
     "dropped": (r"\A(?!return|break|for|if|else)[\w.]+(?: [-+*]?=|\().*;\Z", lambda *_: ";"),
 }
 # Kinds that replace the whole statement or condition
-WHOLE = ("always", "never", "dropped")
+WHOLE_STATEMENT = ("always", "never", "dropped")
 # Drivers initialise variables to 0, so removing such a statement would not show
 ZEROED = re.compile(r"= (?:0\.0|vec\d\([0., ]+\));")
 # Assignments that compilers require for targets that a pass lacks; nobody reads them
@@ -153,7 +153,7 @@ def mutants() -> Iterator[Mutant]:
                 kind = min(possible, key=lambda kind: uses[kind])
                 broken = possible[kind][uses[kind] % len(possible[kind])]
                 uses[kind] += 1
-                change = f"({kind}) {statement}" if kind in WHOLE else broken
+                change = f"({kind}) {statement}" if kind in WHOLE_STATEMENT else broken
                 texts = {key: original[:statement_start] + broken + original[statement_end:]}
                 argued = equivalents().get((name, change), "")
                 yield Mutant(f"{name}-{kind}-{uses[kind]}", kind, name, change, texts, common=common, argued=argued)

@@ -83,7 +83,9 @@ void main()
     moved = vec4(zoom.x * now.xy / now.z - zoom.y * before.xy / before.z, 0.0, 0.0);
 }
 """
-WHOLE = "#version 330\nvoid main() { gl_Position = vec4(ivec2(gl_VertexID & 1, gl_VertexID >> 1) * 4 - 1, 0.0, 1.0); }"
+FULL_SCREEN = (
+    "#version 330\nvoid main() { gl_Position = vec4(ivec2(gl_VertexID & 1, gl_VertexID >> 1) * 4 - 1, 0.0, 1.0); }"
+)
 # A point is "hidden" if it lies behind all of the 3 x 3 pixels around its position in the pinhole's image, or outside
 # that image.
 ADD = f"""#version 330
@@ -198,9 +200,9 @@ class Rasteriser:
         self.driver = driver if isinstance(driver, GLDriver) else drivers.load("egl")
         self.driver.make_current()
         context, (width, height) = self.driver.context, size
-        self.program, self.adding = context.program(VERTEX, FRAGMENT), context.program(WHOLE, ADD)
+        self.program, self.adding = context.program(VERTEX, FRAGMENT), context.program(FULL_SCREEN, ADD)
         self.adding["views"], self.adding["pinhole"] = 0, 1
-        self.whole = context.vertex_array(self.adding, [])
+        self.full_screen = context.vertex_array(self.adding, [])
         self.meshes = [context.buffer(_mesh(*cells)) for cells in ((1, 1), SPHERE_CELLS)]
         extents = [size, size, (width, VIEWS * height), size, size]
         self.textures = [context.texture(extent, 4, dtype="f4") for extent in extents]
@@ -251,7 +253,7 @@ class Rasteriser:
                 context.blend_func = moderngl.ONE, moderngl.ONE
                 self.textures[2].use(0)
                 self.textures[0].use(1)
-                self.whole.render(moderngl.TRIANGLES, vertices=3)
+                self.full_screen.render(moderngl.TRIANGLES, vertices=3)
         return [self._read(texture) / len(lens) for texture in self.textures[3:]]
 
     def _draw(self, frame: moderngl.Framebuffer, scene: Scene, views: np.ndarray, before: Scene | None = None) -> None:

@@ -138,7 +138,7 @@ def test_highlight_on_a_driver(name, rotation, squeeze, driver):
     light = (output[..., 1].astype(np.float64) - highlight.AMBIENT) / highlight.PEAK
     seen = np.clip(light * bokeh.area / shape.light, 0.0, 1.0)
     own, other = (overlap(seen, outline.coverage) for outline in (bokeh, reflected))
-    assert own >= bokeh.least_overlap(0.5)
+    assert own >= bokeh.min_overlap(0.5)
     assert len(corners) % 2 == 0 or own > other + 0.02
     assert light.sum() == pytest.approx(shape.light, abs=bokeh.edge(0.5) * shape.light / bokeh.area)
 

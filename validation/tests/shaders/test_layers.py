@@ -159,7 +159,7 @@ def test_layered_moving_edge(driver):
     for edge in width // 2 + MOVES:
         case = drawn_by_area(np.tile(np.clip(edge - x, 0.0, 1.0), (height, 1)))
         errors.append(layered(driver, case)[..., 0] - near_edges.edge_spread(polygon, edge - x - 0.5))
-    bound = near_edges.steepest(polygon) + 0.25 + near_edges.WHOLE + near_edges.STEP
+    bound = near_edges.steepest(polygon) + 0.25 + near_edges.UNCOVERED + near_edges.STEP
     assert np.abs(errors).max() <= bound
     assert np.abs(np.diff(errors, axis=0)).max() <= bound
 
