@@ -998,7 +998,7 @@ BokehLine BokehLineSum(BOKEH_TEXTURE tex, vec2 uv, int k, BokehPolygon polygon, 
             vec4 mean = sum / max(sum.a, samples);
             vec4 removed = min(vec4(centerPixel.rgb, 1.0), mean) * excess;
             sum -= removed;
-            reached = max(reached - removed.r - removed.g - removed.b, 0.0);
+            reached = reached - removed.r - removed.g - removed.b;
         }
         sum = sum / samples;
         reached = reached / samples;

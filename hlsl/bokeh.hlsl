@@ -1026,7 +1026,7 @@ BokehLine BokehLineSum(BOKEH_TEXTURE tex, float2 uv, int k, BokehPolygon polygon
             float4 mean = sum / max(sum.a, samples);
             float4 removed = min(float4(centerPixel.rgb, 1.0), mean) * excess;
             sum -= removed;
-            reached = max(reached - removed.r - removed.g - removed.b, 0.0);
+            reached = reached - removed.r - removed.g - removed.b;
         }
         sum = sum / samples;
         reached = reached / samples;

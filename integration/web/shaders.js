@@ -364,7 +364,7 @@ float excess=max(sum.a-samples,0.);
 vec4 mean=sum/max(sum.a,samples);
 vec4 removed=min(vec4(centerPixel.rgb,1.),mean)*excess;
 sum-=removed;
-reached=max(reached-removed.r-removed.g-removed.b,0.);}
+reached=reached-removed.r-removed.g-removed.b;}
 sum=sum/samples;
 reached=reached/samples;
 if(secondPass){
@@ -1700,7 +1700,7 @@ let excess=max(sum.a-samples,0.);
 let mean=sum/max(sum.a,samples);
 let removed=min(vec4f(centerPixel.rgb,1.),mean)*excess;
 sum-=removed;
-reached=max(reached-removed.r-removed.g-removed.b,0.);}
+reached=reached-removed.r-removed.g-removed.b;}
 sum=sum/samples;
 reached=reached/samples;
 if(secondPass){

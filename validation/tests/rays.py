@@ -107,10 +107,10 @@ def target(lines: Sequence[tuple[Gathered, float | np.ndarray]], center: np.ndar
         total = total + share * (line.weights.sum(axis=0) - line.excess)
         light = light + share * gathered_color.sum(axis=-1)
         line_reached = (line.reached * brightness).sum(axis=0) - removed.sum(axis=-1)
-        reached = reached + share * np.maximum(line_reached, 0.0)
+        reached = reached + share * line_reached
     missing = np.maximum(LEAST_WEIGHT - total, 0.0)
     mean = (color + center[..., :3] * missing[..., None]) / np.maximum(total, LEAST_WEIGHT)[..., None]
     # the same for the brightness, and a little more, so that black is not divided by 0
     unblurred = center[..., :3].sum(axis=-1) * missing + 1e-6
-    smaller = np.minimum((reached + unblurred) / (light + unblurred) * HANDED_ON, 1.0)
+    smaller = np.clip((reached + unblurred) / (light + unblurred) * HANDED_ON, 0.0, 1.0)
     return np.concatenate([mean, (center[..., 3] * (smaller if hands_on else 1.0))[..., None]], axis=-1)

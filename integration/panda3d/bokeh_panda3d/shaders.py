@@ -573,7 +573,7 @@ float excess = max(sum.a - samples, 0.0);
 vec4 mean = sum / max(sum.a, samples);
 vec4 removed = min(vec4(centerPixel.rgb, 1.0), mean) * excess;
 sum -= removed;
-reached = max(reached - removed.r - removed.g - removed.b, 0.0);
+reached = reached - removed.r - removed.g - removed.b;
 }
 sum = sum / samples;
 reached = reached / samples;

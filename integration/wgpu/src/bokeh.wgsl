@@ -493,7 +493,7 @@ let excess: f32 = max(sum.a - samples, 0.0);
 let mean: vec4f = sum / max(sum.a, samples);
 let removed: vec4f = min(vec4f(centerPixel.rgb, 1.0), mean) * excess;
 sum -= removed;
-reached = max(reached - removed.r - removed.g - removed.b, 0.0);
+reached = reached - removed.r - removed.g - removed.b;
 }
 sum = sum / samples;
 reached = reached / samples;

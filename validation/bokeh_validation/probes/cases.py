@@ -108,6 +108,9 @@ CASES = (
         **WIDE,
     ),
     _named("naive, many", [COVERAGE], PAPER, method="naive", aperture="square", samples=12),
+    # lines whose samples reach only a part of them
+    _named("exact square, wide", [COVERAGE], EXACT, aperture="square", samples=9, **WIDE),
+    _named("exact hexagon, wide", [COVERAGE], EXACT, samples=9, **WIDE),
     _named("exact square, cut", [COVERAGE, LENS], EXACT, aperture="square", **CUT, **ADAPTIVE),
     _named("exact hexagon, cut", [COVERAGE, VIEWPORT, LENS], EXACT, **CUT, **ADAPTIVE),
     _named("exact octagon, cut", [COVERAGE, JSON, LENS], EXACT, aperture="octagon", **CUT, **ADAPTIVE),
