@@ -71,14 +71,29 @@ def gpu_times() -> tuple[Table, Table]:
     return whole, passes
 
 
+def lights_apart_tables() -> dict[str, Table]:
+    """Return the tables of lights_apart.json. Where only CoC and size differ, each size has columns of its own."""
+    recorded, found = lights_apart.recorded(), {}
+    for name, group in lights_apart.GROUPS.items():
+        sizes = sorted({apart.pixels for apart in group.lights})
+        by_size = len({(apart.textured, apart.rim, apart.background) for apart in group.lights}) == 1 < len(sizes)
+        by_size &= not group.lights[0].rim
+        for index, measure in enumerate(lights_apart.MEASURES):
+            rows: dict[str, list[str]] = {}
+            header = ["light", *lights_apart.METHODS]
+            if by_size:
+                header = ["CoC of the light", *(f"{m}, {size} px" for m in lights_apart.METHODS for size in sizes)]
+            for method in lights_apart.METHODS:
+                for apart in group.lights:
+                    value = recorded[group.aperture, apart.label, method][index]
+                    rows.setdefault(f"{apart.coc:g}" if by_size else apart.label, []).append(f"{value:.2f}")
+            found[f"lights apart, {name}, {measure}"] = [header, *([label, *row] for label, row in rows.items())]
+    return found
+
+
 def probed() -> dict[str, Table]:
     """Return name of a table -> its rows with the header first, for the numbers that probes check."""
-    found = {}
-    for index, name in enumerate(("overlap", "ripple", "light kept")):
-        rows = [
-            [light, *(f"{measures[index]:.2f}" for measures in cases)] for light, cases in lights_apart.RECORDED.items()
-        ]
-        found[f"lights apart, {name}"] = [["light", *lights_apart.METHODS], *rows]
+    found = lights_apart_tables()
     rows = [[rim.label, *(f"{value:.2f}" for value in values)] for rim, values in rims.RECORDED.items()]
     found["near lights with a rim"] = [["light", "ripple", "second outline", "light kept"], *rows]
     for name, unit, columns, recorded in (

@@ -131,7 +131,7 @@ def planes(settings: methods.Settings) -> Case:
 
 @pytest.mark.parametrize(("method", "steps"), [("paper, spacing 1", True), ("exact, spacing 1", False)])
 def test_the_leakage_test(method, steps):
-    """Check that the image steps in the frame where Listing 3's test flips, and that the test of `exact` ramps
+    """Check that the image steps in the frame where Listing 3's test flips, and that the weights of `exact` ramp
     instead.
 
     The dark half at 2 m comes into focus in 50 frames, and in 400. A continuous change is smaller in one of eight

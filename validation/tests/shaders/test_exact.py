@@ -11,7 +11,7 @@ from support_cases import CAMERA, float_result, noise_case, result
 from bokeh_validation import metrics, truth
 from bokeh_validation.frame import methods
 from bokeh_validation.frame.methods import Settings
-from bokeh_validation.probes import exact, highlight, lights_apart, shapes
+from bokeh_validation.probes import exact, highlight, shapes
 from bokeh_validation.probes.model import depth_of
 from bokeh_validation.shaders.passes import Pass
 from bokeh_validation.truth import ray_traced
@@ -62,22 +62,6 @@ def test_nearer_to_brute_force_than_paper(scene):
     cases = {method: replace(case, settings=replace(case.settings, coc=0.04)) for method, case in cases.items()}
     found = {m: metrics.psnr(result(driver, one), shapes.brute_force(driver, one)) for m, one in cases.items()}
     assert found["exact"] - found["paper"] >= 10.0, found
-
-
-@pytest.mark.parametrize(
-    ("aperture", "coc", "overlap"),
-    [("square", 20, 0.70), ("square", 31, 0.70), ("octagon", 27, 0.55), ("octagon", 31, 0.65), ("octagon", 36, 0.80)],
-)
-def test_a_light_in_front_of_its_background(aperture, coc, overlap):
-    """Check how much of a light, on a background with a CoC of 40 pixels, lies on the light's own polygon.
-
-    A polygon as large as the background's would overlap by the ratio of the areas: 0.25 for a light of 20 pixels, 0.46
-    for 27, 0.60 for 31. The division by the sum of the weights may dim the light: by less than 0.15 here.
-    """
-    apart = lights_apart.Apart(coc, 4)
-    case = apart.case(lights_apart.settings("exact", aperture))
-    seen, _, light = apart.measured(result(load("egl"), case), aperture)
-    assert seen >= overlap and abs(light - 1.0) <= 0.15, (seen, light)
 
 
 @pytest.mark.parametrize(("scene", "better"), [("street_11", 1.2), ("canopy_12", 0.8)])
