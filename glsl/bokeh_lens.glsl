@@ -210,16 +210,16 @@ vec4 BokehStableMap(BOKEH_TEXTURE MapSamp, BOKEH_TEXTURE HistorySamp, BOKEH_TEXT
 
 // Lens: draws lateral colour: the red of a finished image larger than the green, the blue smaller
 //   Draw it after any method, and before bloom and tone mapping.
-//   PictureSamp   the finished image; linear filter, clamp
+//   ImageSamp     the finished image; linear filter, clamp
 //   amount        -0.1 .. 0.1: fraction by which red is larger and blue is smaller, reversed below
 //                 0; 0.001 is about one pixel in the corners of 1920 x 1080
 //   returns       red and blue of other pixels; green and alpha of this one
-vec4 BokehLateralColor(BOKEH_TEXTURE PictureSamp, vec2 uv, float amount)
+vec4 BokehLateralColor(BOKEH_TEXTURE ImageSamp, vec2 uv, float amount)
 {
     float larger = clamp(amount, -0.1, 0.1);
     vec2 place = uv - 0.5;
-    vec4 green = BokehFetch(PictureSamp, uv);
-    float red = BokehFetch(PictureSamp, place / (1.0 + larger) + 0.5).r;
-    float blue = BokehFetch(PictureSamp, place / (1.0 - larger) + 0.5).b;
+    vec4 green = BokehFetch(ImageSamp, uv);
+    float red = BokehFetch(ImageSamp, place / (1.0 + larger) + 0.5).r;
+    float blue = BokehFetch(ImageSamp, place / (1.0 - larger) + 0.5).b;
     return vec4(red, green.g, blue, green.a);
 }

@@ -208,17 +208,17 @@ fn BokehStableMap(MapSamp: texture_2d<f32>, HistorySamp: texture_2d<f32>,
 
 // Lens: draws lateral colour: the red of a finished image larger than the green, the blue smaller
 //   Draw it after any method, and before bloom and tone mapping.
-//   PictureSamp   the finished image; linear filter, clamp
+//   ImageSamp     the finished image; linear filter, clamp
 //   amount        -0.1 .. 0.1: fraction by which red is larger and blue is smaller, reversed below
 //                 0; 0.001 is about one pixel in the corners of 1920 x 1080
 //   returns       red and blue of other pixels; green and alpha of this one
-fn BokehLateralColor(PictureSamp: texture_2d<f32>, uv: vec2f, amount: f32,
+fn BokehLateralColor(ImageSamp: texture_2d<f32>, uv: vec2f, amount: f32,
     BokehLinearClamp: sampler) -> vec4f
 {
     let larger: f32 = clamp(amount, -0.1, 0.1);
     let place: vec2f = uv - 0.5;
-    let green: vec4f = BokehFetch(PictureSamp, uv, BokehLinearClamp);
-    let red: f32 = BokehFetch(PictureSamp, place / (1.0 + larger) + 0.5, BokehLinearClamp).r;
-    let blue: f32 = BokehFetch(PictureSamp, place / (1.0 - larger) + 0.5, BokehLinearClamp).b;
+    let green: vec4f = BokehFetch(ImageSamp, uv, BokehLinearClamp);
+    let red: f32 = BokehFetch(ImageSamp, place / (1.0 + larger) + 0.5, BokehLinearClamp).r;
+    let blue: f32 = BokehFetch(ImageSamp, place / (1.0 - larger) + 0.5, BokehLinearClamp).b;
     return vec4f(red, green.g, blue, green.a);
 }

@@ -1413,12 +1413,12 @@ float history=BokehSanitize(BokehFetch(HistorySamp,before).a,nearest,pixel.a);
 if(max(abs(before.x-.5),abs(before.y-.5))<=.5){
 pixel+=vec4(0.,0.,0.,(history-pixel.a)*clamp(1.-blend,0.,1.));}
 return pixel;}
-vec4 BokehLateralColor(sampler2D PictureSamp,vec2 uv,float amount){
+vec4 BokehLateralColor(sampler2D ImageSamp,vec2 uv,float amount){
 float larger=clamp(amount,-.1,.1);
 vec2 place=uv-.5;
-vec4 green=BokehFetch(PictureSamp,uv);
-float red=BokehFetch(PictureSamp,place/(1.+larger)+.5).r;
-float blue=BokehFetch(PictureSamp,place/(1.-larger)+.5).b;
+vec4 green=BokehFetch(ImageSamp,uv);
+float red=BokehFetch(ImageSamp,place/(1.+larger)+.5).r;
+float blue=BokehFetch(ImageSamp,place/(1.-larger)+.5).b;
 return vec4(red,green.g,blue,green.a);}
 `,
   noise: `
@@ -2632,12 +2632,12 @@ let history=BokehSanitize(BokehFetch(HistorySamp,before,BokehLinearClamp).a,near
 if(max(abs(before.x-.5),abs(before.y-.5))<=.5){
 pixel+=vec4f(0.,0.,0.,(history-pixel.a)*clamp(1.-blend,0.,1.));}
 return pixel;}
-fn BokehLateralColor(PictureSamp:texture_2d<f32>,uv:vec2f,amount:f32,BokehLinearClamp:sampler)->vec4f{
+fn BokehLateralColor(ImageSamp:texture_2d<f32>,uv:vec2f,amount:f32,BokehLinearClamp:sampler)->vec4f{
 let larger=clamp(amount,-.1,.1);
 let place=uv-.5;
-let green=BokehFetch(PictureSamp,uv,BokehLinearClamp);
-let red=BokehFetch(PictureSamp,place/(1.+larger)+.5,BokehLinearClamp).r;
-let blue=BokehFetch(PictureSamp,place/(1.-larger)+.5,BokehLinearClamp).b;
+let green=BokehFetch(ImageSamp,uv,BokehLinearClamp);
+let red=BokehFetch(ImageSamp,place/(1.+larger)+.5,BokehLinearClamp).r;
+let blue=BokehFetch(ImageSamp,place/(1.-larger)+.5,BokehLinearClamp).b;
 return vec4f(red,green.g,blue,green.a);}
 `,
   noise: `

@@ -2180,13 +2180,13 @@ pixel += vec4(0.0, 0.0, 0.0, (history - pixel.a) * clamp(1.0 - blend, 0.0, 1.0))
 }
 return pixel;
 }
-vec4 BokehLateralColor(BOKEH_TEXTURE PictureSamp, vec2 uv, float amount)
+vec4 BokehLateralColor(BOKEH_TEXTURE ImageSamp, vec2 uv, float amount)
 {
 float larger = clamp(amount, -0.1, 0.1);
 vec2 place = uv - 0.5;
-vec4 green = BokehFetch(PictureSamp, uv);
-float red = BokehFetch(PictureSamp, place / (1.0 + larger) + 0.5).r;
-float blue = BokehFetch(PictureSamp, place / (1.0 - larger) + 0.5).b;
+vec4 green = BokehFetch(ImageSamp, uv);
+float red = BokehFetch(ImageSamp, place / (1.0 + larger) + 0.5).r;
+float blue = BokehFetch(ImageSamp, place / (1.0 - larger) + 0.5).b;
 return vec4(red, green.g, blue, green.a);
 }
 #define BOKEH_LINEAR_DEPTH 1

@@ -212,16 +212,16 @@ float4 BokehStableMap(BOKEH_TEXTURE MapSamp, BOKEH_TEXTURE HistorySamp, BOKEH_TE
 
 // Lens: draws lateral colour: the red of a finished image larger than the green, the blue smaller
 //   Draw it after any method, and before bloom and tone mapping.
-//   PictureSamp   the finished image; linear filter, clamp
+//   ImageSamp     the finished image; linear filter, clamp
 //   amount        -0.1 .. 0.1: fraction by which red is larger and blue is smaller, reversed below
 //                 0; 0.001 is about one pixel in the corners of 1920 x 1080
 //   returns       red and blue of other pixels; green and alpha of this one
-float4 BokehLateralColor(BOKEH_TEXTURE PictureSamp, float2 uv, float amount BOKEH_SAMPLER)
+float4 BokehLateralColor(BOKEH_TEXTURE ImageSamp, float2 uv, float amount BOKEH_SAMPLER)
 {
     float larger = clamp(amount, -0.1, 0.1);
     float2 place = uv - 0.5;
-    float4 green = BokehFetch(PictureSamp, uv BOKEH_LINEAR);
-    float red = BokehFetch(PictureSamp, place / (1.0 + larger) + 0.5 BOKEH_LINEAR).r;
-    float blue = BokehFetch(PictureSamp, place / (1.0 - larger) + 0.5 BOKEH_LINEAR).b;
+    float4 green = BokehFetch(ImageSamp, uv BOKEH_LINEAR);
+    float red = BokehFetch(ImageSamp, place / (1.0 + larger) + 0.5 BOKEH_LINEAR).r;
+    float blue = BokehFetch(ImageSamp, place / (1.0 - larger) + 0.5 BOKEH_LINEAR).b;
     return float4(red, green.g, blue, green.a);
 }

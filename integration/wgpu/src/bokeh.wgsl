@@ -2122,14 +2122,14 @@ pixel += vec4f(0.0, 0.0, 0.0, (history - pixel.a) * clamp(1.0 - blend, 0.0, 1.0)
 }
 return pixel;
 }
-fn BokehLateralColor(PictureSamp: texture_2d<f32>, uv: vec2f, amount: f32,
+fn BokehLateralColor(ImageSamp: texture_2d<f32>, uv: vec2f, amount: f32,
 BokehLinearClamp: sampler) -> vec4f
 {
 let larger: f32 = clamp(amount, -0.1, 0.1);
 let place: vec2f = uv - 0.5;
-let green: vec4f = BokehFetch(PictureSamp, uv, BokehLinearClamp);
-let red: f32 = BokehFetch(PictureSamp, place / (1.0 + larger) + 0.5, BokehLinearClamp).r;
-let blue: f32 = BokehFetch(PictureSamp, place / (1.0 - larger) + 0.5, BokehLinearClamp).b;
+let green: vec4f = BokehFetch(ImageSamp, uv, BokehLinearClamp);
+let red: f32 = BokehFetch(ImageSamp, place / (1.0 + larger) + 0.5, BokehLinearClamp).r;
+let blue: f32 = BokehFetch(ImageSamp, place / (1.0 - larger) + 0.5, BokehLinearClamp).b;
 return vec4f(red, green.g, blue, green.a);
 }
 override BOKEH_TARGET_INDEX: i32 = 0;

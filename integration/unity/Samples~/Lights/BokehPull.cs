@@ -10,7 +10,7 @@ public sealed class BokehPull : MonoBehaviour
     void Update()
     {
         // interpolate 1 / distance instead of the distance: docs/lens.md
-        float share = Mathf.PingPong(0.25f * Time.time, 1.0f);
-        GetComponent<BokehFocus>().distance = 1.0f / Mathf.Lerp(0.5f, 0.05f, share);
+        float blend = Mathf.PingPong(0.25f * Time.time, 1.0f);
+        GetComponent<BokehFocus>().distance = 1.0f / Mathf.Lerp(0.5f, 0.05f, blend);
     }
 }
