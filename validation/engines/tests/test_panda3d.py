@@ -67,6 +67,8 @@ def test_installed(form, tmp_path):
     python = folder / "bin/python"
     process.run([python, *PIP, "install", "--no-index", "--find-links", wheels, source], desktop.SECONDS)
     shutil.copytree(SAMPLE, away, ignore=shutil.ignore_patterns("bokeh_panda3d"))
+    # the capture imports a module of that folder
+    shutil.copytree(SAMPLE.parent / "opengl", tmp_path / "opengl")
     process.run([python, "sample.py", "drawn.png"], desktop.SECONDS, away)
     assert_picture(away / "drawn.png", SAMPLE / "picture.png")
     process.run([python, "capture.py", paths.ensured(away / "capture")], desktop.SECONDS, away)
