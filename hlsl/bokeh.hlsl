@@ -1055,11 +1055,11 @@ float4 BokehExactTarget(int k, BokehPolygon polygon, BokehLine L1, BokehLine L2,
     float4 weights = BokehEdgeWeights(k, polygon);
     float4 sum = L1.sum * weights.x + L2.sum * weights.y + L3.sum * weights.z + L4.sum * weights.w;
     float4 result = BokehResolved(sum, centerPixel);
-    // as much of this pixel as in BokehResolved, and a little more: black must not be divided by 0
+    // as much of this pixel as in BokehResolved
     float missing = max(BOKEH_TUNED_LEAST_WEIGHT - sum.a, 0.0) * (centerPixel.r + centerPixel.g +
-        centerPixel.b) + 0.000001;
+        centerPixel.b);
     float gathered = sum.r + sum.g + sum.b + missing;
-    if (centerPixel.a > 0.0)
+    if (centerPixel.a > 0.0 && gathered > 0.0)
     {
         float reached = missing + dot(float4(L1.reached, L2.reached, L3.reached, L4.reached),
             weights);

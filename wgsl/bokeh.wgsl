@@ -935,11 +935,11 @@ fn BokehExactTarget(k: i32, polygon: BokehPolygon, L1: BokehLine, L2: BokehLine,
     let sum: vec4f = L1.sum * weights.x + L2.sum * weights.y + L3.sum * weights.z + L4.sum *
         weights.w;
     var result: vec4f = BokehResolved(sum, centerPixel);
-    // as much of this pixel as in BokehResolved, and a little more: black must not be divided by 0
+    // as much of this pixel as in BokehResolved
     let missing: f32 = max(BOKEH_TUNED_LEAST_WEIGHT - sum.a, 0.0) * (centerPixel.r + centerPixel.g +
-        centerPixel.b) + 0.000001;
+        centerPixel.b);
     let gathered: f32 = sum.r + sum.g + sum.b + missing;
-    if (centerPixel.a > 0.0)
+    if (centerPixel.a > 0.0 && gathered > 0.0)
     {
         let reached: f32 = missing + dot(vec4f(L1.reached, L2.reached, L3.reached, L4.reached),
             weights);

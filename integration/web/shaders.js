@@ -377,9 +377,9 @@ vec4 BokehExactTarget(int k,BokehPolygon polygon,BokehLine L1,BokehLine L2,Bokeh
 vec4 weights=BokehEdgeWeights(k,polygon);
 vec4 sum=L1.sum*weights.x+L2.sum*weights.y+L3.sum*weights.z+L4.sum*weights.w;
 vec4 result=BokehResolved(sum,centerPixel);
-float missing=max(.0625-sum.a,0.)*(centerPixel.r+centerPixel.g+centerPixel.b)+.000001;
+float missing=max(.0625-sum.a,0.)*(centerPixel.r+centerPixel.g+centerPixel.b);
 float gathered=sum.r+sum.g+sum.b+missing;
-if(centerPixel.a>0.){
+if(centerPixel.a>0.&&gathered>0.){
 float reached=missing+dot(vec4(L1.reached,L2.reached,L3.reached,L4.reached),weights);
 result=vec4(result.rgb,result.a*clamp(reached/gathered*1.001,0.,1.));}
 return result;}
@@ -1713,9 +1713,9 @@ fn BokehExactTarget(k:i32,polygon:BokehPolygon,L1:BokehLine,L2:BokehLine,L3:Boke
 let weights=BokehEdgeWeights(k,polygon);
 let sum=L1.sum*weights.x+L2.sum*weights.y+L3.sum*weights.z+L4.sum*weights.w;
 var result=BokehResolved(sum,centerPixel);
-let missing=max(.0625-sum.a,0.)*(centerPixel.r+centerPixel.g+centerPixel.b)+.000001;
+let missing=max(.0625-sum.a,0.)*(centerPixel.r+centerPixel.g+centerPixel.b);
 let gathered=sum.r+sum.g+sum.b+missing;
-if(centerPixel.a>0.){
+if(centerPixel.a>0.&&gathered>0.){
 let reached=missing+dot(vec4f(L1.reached,L2.reached,L3.reached,L4.reached),weights);
 result=vec4f(result.rgb,result.a*clamp(reached/gathered*1.001,0.,1.));}
 return result;}

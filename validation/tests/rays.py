@@ -110,7 +110,9 @@ def target(lines: Sequence[tuple[Gathered, float | np.ndarray]], center: np.ndar
         reached = reached + share * line_reached
     missing = np.maximum(LEAST_WEIGHT - total, 0.0)
     mean = (color + center[..., :3] * missing[..., None]) / np.maximum(total, LEAST_WEIGHT)[..., None]
-    # the same for the brightness, and a little more, so that black is not divided by 0
-    unblurred = center[..., :3].sum(axis=-1) * missing + 1e-6
-    smaller = np.clip((reached + unblurred) / (light + unblurred) * HANDED_ON, 0.0, 1.0)
+    # the same for the brightness
+    unblurred = center[..., :3].sum(axis=-1) * missing
+    light = light + unblurred
+    with np.errstate(invalid="ignore", divide="ignore"):
+        smaller = np.where(light > 0.0, np.clip((reached + unblurred) / light * HANDED_ON, 0.0, 1.0), 1.0)
     return np.concatenate([mean, (center[..., 3] * (smaller if hands_on else 1.0))[..., None]], axis=-1)

@@ -515,9 +515,9 @@ let sum: vec4f = L1.sum * weights.x + L2.sum * weights.y + L3.sum * weights.z + 
 weights.w;
 var result: vec4f = BokehResolved(sum, centerPixel);
 let missing: f32 = max(BOKEH_TUNED_LEAST_WEIGHT - sum.a, 0.0) * (centerPixel.r + centerPixel.g +
-centerPixel.b) + 0.000001;
+centerPixel.b);
 let gathered: f32 = sum.r + sum.g + sum.b + missing;
-if (centerPixel.a > 0.0)
+if (centerPixel.a > 0.0 && gathered > 0.0)
 {
 let reached: f32 = missing + dot(vec4f(L1.reached, L2.reached, L3.reached, L4.reached),
 weights);

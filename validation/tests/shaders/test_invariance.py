@@ -218,8 +218,8 @@ def test_exposure(settings, driver):
 
     Every operation on colour is a sum, a product with a number that does not depend on colour, a quotient, min or max.
     A power of two commutes with rounding. Colours are chosen so that no half float is denormal or too large. CoC are
-    bit-identical; only in a hexagon of `exact` the CoC that the first pass writes follows the ratio of two sums of
-    colour, so at 1.5 times the colour each store may round it the other way.
+    bit-identical; only in `exact` the CoC that the first pass writes follows the ratio of two sums of colour, so at 1.5
+    times the colour each store may round it the other way.
     """
     case = noise_case((60, 48), settings)
     # 8 bits, so that a factor with two bits is exact
@@ -230,8 +230,7 @@ def test_exposure(settings, driver):
     for factor in (1.0, 2.0**-6, 2.0**5, 1.5):
         brighter = replace(case, color=(few_bits * [factor, factor, factor, 1.0]).astype(np.float16))
         actual = pictures[factor] = result(driver, brighter).astype(np.float64)
-        hexagon = settings.method == "exact" and settings.aperture == "hexagon"
-        steps = passes * 2.0**-10 if hexagon and factor == 1.5 else 0.0
+        steps = passes * 2.0**-10 if settings.method == "exact" and factor == 1.5 else 0.0
         np.testing.assert_allclose(actual[..., 3], pictures[1.0][..., 3], rtol=steps, atol=0.0)
         reference = factor * pictures[1.0][..., :3]
         np.testing.assert_allclose(actual[..., :3], reference, rtol=rounded * (factor == 1.5), atol=0.0)
