@@ -73,7 +73,7 @@ vec4 BokehCoCMap(BOKEH_TEXTURE ColorSamp, BOKEH_DEPTH_TEXTURE DepthSamp, vec2 uv
 //   returns       uv offset for a CoC of 1; the other end of the line is its negative
 vec2 BokehLineEnd(float angle, float aspectRatio)
 {
-    return vec2(0.5 * cos(angle) / aspectRatio, 0.5 * sin(angle));
+    return BokehCosSin(angle) * vec2(0.5 / aspectRatio, 0.5);
 }
 
 // Listing 2: makeOffsets, returns the offset of sample i of numSamples along the line
@@ -98,7 +98,7 @@ vec2 BokehMakeOffsets(vec2 lineEnd, int i, int numSamples)
 //                 BokehEdgeLine returns it
 vec4 BokehSegment(float angle, float lineLength, vec2 lineCenter, float squeeze)
 {
-    vec2 halfLine = vec2(cos(angle), sin(angle)) * 0.5 * lineLength;
+    vec2 halfLine = BokehCosSin(angle) * 0.5 * lineLength;
     return vec4(lineCenter, halfLine) * vec4(squeeze, 1.0, squeeze, 1.0);
 }
 

@@ -167,8 +167,7 @@
 
 // A layer is read at quarter size where its samples are farther apart than this, texels of the half
 // size. With a lower value, edges get soft; with a higher one, dots show.
-#define BOKEH_TUNED_NEAR_QUARTER 1.5
-#define BOKEH_TUNED_FAR_QUARTER 1.15
+#define BOKEH_TUNED_QUARTER 1.25
 
 // The outer texels of the filter that makes the quarter size have the weight spacing / 4 - SIDE.
 // With a lower value, edges get soft; with a higher one, dots show.
@@ -789,12 +788,10 @@ struct BokehBlur
 BokehBlur BokehLayerBlur(float2 layerCoC, bool isFar, BokehPolygon polygon)
 {
     float CoC = layerCoC.r / float(BOKEH_LAYER_SCALE);
-    float minSpacing = BOKEH_TUNED_NEAR_QUARTER;
     float selfBlur = BOKEH_TUNED_NEAR_SELF_BLUR;
     if (isFar)
     {
         CoC = layerCoC.g / float(BOKEH_LAYER_SCALE);
-        minSpacing = BOKEH_TUNED_FAR_QUARTER;
         selfBlur = clamp(BOKEH_TUNED_FAR_SELF_BLUR * CoC * CoC, BOKEH_TUNED_FAR_SELF_BLUR_MIN,
             BOKEH_TUNED_FAR_SELF_BLUR_MAX);
     }
@@ -807,7 +804,7 @@ BokehBlur BokehLayerBlur(float2 layerCoC, bool isFar, BokehPolygon polygon)
         hard = BOKEH_TUNED_SQUARE_SIDE;
     }
     BokehBlur blur;
-    blur.useQuarterLayer = spacing > minSpacing;
+    blur.useQuarterLayer = spacing > BOKEH_TUNED_QUARTER;
     blur.sideTap = 0.0;
     if (blur.useQuarterLayer)
     {

@@ -75,7 +75,7 @@ float4 BokehCoCMap(BOKEH_TEXTURE ColorSamp, BOKEH_DEPTH_TEXTURE DepthSamp, float
 //   returns       uv offset for a CoC of 1; the other end of the line is its negative
 float2 BokehLineEnd(float angle, float aspectRatio)
 {
-    return float2(0.5 * cos(angle) / aspectRatio, 0.5 * sin(angle));
+    return BokehCosSin(angle) * float2(0.5 / aspectRatio, 0.5);
 }
 
 // Listing 2: makeOffsets, returns the offset of sample i of numSamples along the line
@@ -100,7 +100,7 @@ float2 BokehMakeOffsets(float2 lineEnd, int i, int numSamples)
 //                 BokehEdgeLine returns it
 float4 BokehSegment(float angle, float lineLength, float2 lineCenter, float squeeze)
 {
-    float2 halfLine = float2(cos(angle), sin(angle)) * 0.5 * lineLength;
+    float2 halfLine = BokehCosSin(angle) * 0.5 * lineLength;
     return float4(lineCenter, halfLine) * float4(squeeze, 1.0, squeeze, 1.0);
 }
 

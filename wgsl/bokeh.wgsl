@@ -191,6 +191,35 @@ fn BokehFetchDepth(tex: BokehDepthTexture, coords: vec2f) -> vec2f
     return vec4f(textureLoad(tex, min(texel, size - vec2i(1, 1)), 0)).rg;
 }
 
+// Porting: returns whether a value is NaN, by its bits
+//   With fast math, a compiler takes it that no value is NaN, and may change a comparison that NaN
+//   fails into one that it passes.
+fn BokehIsNaN(value: f32) -> bool
+{
+    return (bitcast<u32>(value) & 0x7fffffffu) > 0x7f800000u;
+}
+
+// Porting: returns the sines of four angles
+//   The sin of a GPU may be wrong by 0.0005 (Vulkan and WebGPU allow that), which moves samples in
+//   a wide blur, so GPUs would draw different pictures. These sines are exact to 0.000001 for
+//   angles up to a turn: a triangle wave, bent by a polynomial.
+//   angles        radians
+fn BokehSines(angles: vec4f) -> vec4f
+{
+    var wave: vec4f = angles * 0.159154943 + 0.25;
+    wave = 4.0 * abs(wave - floor(wave + 0.46)) - 1.0;
+    let square: vec4f = wave * wave;
+    return wave * (1.57079615 - square * (0.645961552 - square * (0.079682161 - square *
+        (0.00466415239 - square * 0.000147407686))));
+}
+
+// Porting: returns cos and sin of an angle, see BokehSines
+//   angle         radians
+fn BokehCosSin(angle: f32) -> vec2f
+{
+    return BokehSines(vec4f(angle + 1.57079633, angle, 0.0, 0.0)).xy;
+}
+
 // where the image lies in its textures, in texture uv: corner and size; the bounds of fetches
 var<private> BokehViewport: vec4f = vec4f(0.0, 0.0, 1.0, 1.0);
 var<private> BokehViewportBounds: vec4f = vec4f(0.0, 0.0, 1.0, 1.0);
@@ -283,12 +312,12 @@ fn BokehSignedCoC(depth: f32, lens: BokehLens) -> f32
 }
 
 // Listing 1: limits a value to minimum .. maximum, and replaces NaN by the minimum
-//   NaN fails the comparison below; max() could return either operand. The comparison has to be
-//   >=, since fxc for shader model 3 would turn > into its opposite, which NaN passes.
+//   max() could return either operand if one is NaN. In shader model 3, NaN fails the comparison
+//   below. It has to be >=, since fxc would turn > into its opposite, which NaN passes.
 fn BokehSanitize(value: f32, minimum: f32, maximum: f32) -> f32
 {
     var safe: f32 = minimum;
-    if (value >= minimum)
+    if (!BokehIsNaN(value) && value >= minimum)
     {
         safe = min(value, maximum);
     }
@@ -639,18 +668,18 @@ struct BokehTargets
 //   squeeze       width of the bokeh / its height
 fn BokehMakePolygon(sides: i32, rotation: f32, squeeze: f32) -> BokehPolygon
 {
-    let halfStep: f32 = 3.14159265 / f32(sides);
-    let edge: f32 = sin(halfStep);
+    let halfTurn: vec2f = BokehCosSin(3.14159265 / f32(sides));
+    let edge: f32 = halfTurn.y;
+    let height: f32 = halfTurn.x;
     var polygon: BokehPolygon;
     polygon.sides = sides;
-    polygon.axis = vec2f(cos(rotation), sin(rotation));
+    polygon.axis = BokehCosSin(rotation);
     polygon.squeeze = squeeze;
     polygon.lengths = vec4f(edge, edge, edge, edge);
     polygon.fifth = edge;
-    polygon.corner = vec2f(0.5 * cos(halfStep), 0.5 * edge);
-    polygon.mean = vec2f(0.0, 0.5 * cos(halfStep) * cos(halfStep) / (edge * (0.5 * f32(sides) -
-        1.0)));
-    polygon.area = 0.25 * f32(sides) * edge * cos(halfStep);
+    polygon.corner = vec2f(0.5 * height, 0.5 * edge);
+    polygon.mean = vec2f(0.0, 0.5 * height * height / (edge * (0.5 * f32(sides) - 1.0)));
+    polygon.area = 0.25 * f32(sides) * edge * height;
     return polygon;
 }
 
@@ -665,8 +694,7 @@ fn BokehRotated(direction: vec2f, axis: vec2f) -> vec2f
 // Exact: returns cos and sin of k times the angle from one edge to the next
 fn BokehTurn(k: f32, polygon: BokehPolygon) -> vec2f
 {
-    let angle: f32 = 6.28318531 / f32(polygon.sides) * k;
-    return vec2f(cos(angle), sin(angle));
+    return BokehCosSin(6.28318531 / f32(polygon.sides) * k);
 }
 
 // Exact: returns the length of edge k, in units of the CoC
@@ -734,7 +762,7 @@ fn BokehEdgeWeights(k: i32, polygon: BokehPolygon) -> vec4f
     let angle: f32 = 6.28318531 / f32(polygon.sides);
     let steps: vec4f = max(vec4f(f32(k) - 1.0, f32(k) - 2.0, f32(k) - 3.0, f32(k) - 4.0), vec4f(0.0,
         0.0, 0.0, 0.0));
-    return max(sin(steps * angle), vec4f(0.0, 0.0, 0.0, 0.0)) * polygon.lengths;
+    return max(BokehSines(steps * angle), vec4f(0.0, 0.0, 0.0, 0.0)) * polygon.lengths;
 }
 
 // Exact: returns the area of the parallelograms of edge k with the edges before it

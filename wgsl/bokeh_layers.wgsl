@@ -115,8 +115,7 @@ const BOKEH_TUNED_FAR_SELF_BLUR_MAX: f32 = 22.0;
 
 // A layer is read at quarter size where its samples are farther apart than this, texels of the half
 // size. With a lower value, edges get soft; with a higher one, dots show.
-const BOKEH_TUNED_NEAR_QUARTER: f32 = 1.5;
-const BOKEH_TUNED_FAR_QUARTER: f32 = 1.15;
+const BOKEH_TUNED_QUARTER: f32 = 1.25;
 
 // The outer texels of the filter that makes the quarter size have the weight spacing / 4 - SIDE.
 // With a lower value, edges get soft; with a higher one, dots show.
@@ -746,12 +745,10 @@ struct BokehBlur
 fn BokehLayerBlur(layerCoC: vec2f, isFar: bool, polygon: BokehPolygon) -> BokehBlur
 {
     var CoC: f32 = layerCoC.r / f32(BOKEH_LAYER_SCALE);
-    var minSpacing: f32 = BOKEH_TUNED_NEAR_QUARTER;
     var selfBlur: f32 = BOKEH_TUNED_NEAR_SELF_BLUR;
     if (isFar)
     {
         CoC = layerCoC.g / f32(BOKEH_LAYER_SCALE);
-        minSpacing = BOKEH_TUNED_FAR_QUARTER;
         selfBlur = clamp(BOKEH_TUNED_FAR_SELF_BLUR * CoC * CoC, BOKEH_TUNED_FAR_SELF_BLUR_MIN,
             BOKEH_TUNED_FAR_SELF_BLUR_MAX);
     }
@@ -764,7 +761,7 @@ fn BokehLayerBlur(layerCoC: vec2f, isFar: bool, polygon: BokehPolygon) -> BokehB
         hard = BOKEH_TUNED_SQUARE_SIDE;
     }
     var blur: BokehBlur;
-    blur.useQuarterLayer = spacing > minSpacing;
+    blur.useQuarterLayer = spacing > BOKEH_TUNED_QUARTER;
     blur.sideTap = 0.0;
     if (blur.useQuarterLayer)
     {

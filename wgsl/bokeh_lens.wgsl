@@ -46,9 +46,8 @@ fn BokehWithRoundness(polygon: BokehPolygon, roundness: f32) -> BokehPolygon
     if (polygon.sides == 8)
     {
         let corner: f32 = 0.39269908 * clamp(roundness, 0.0, 1.0);
-        let odd: f32 = sin(max(corner, 0.001));
-        let even: f32 = sin(0.78539816 - corner);
-        result.lengths = vec4f(odd, even, odd, even);
+        let sines: vec4f = BokehSines(vec4f(max(corner, 0.001), 0.78539816 - corner, 0.0, 0.0));
+        result.lengths = sines.xyxy;
         result = BokehUpdatePolygon(result);
     }
     return result;
@@ -69,10 +68,11 @@ fn BokehHalfWidths(polygon: BokehPolygon, along: vec2f) -> BokehPolygon
     for (var i: i32 = 1; i <= polygon.sides / 2; i++)
     {
         let halfEdge: f32 = 0.5 * BokehEdgeLength(i, polygon);
-        widths.lengths += halfEdge * abs(sin(angle * (f32(i) - k)));
-        widths.fifth += halfEdge * abs(sin(angle * (f32(i) - 5.0)));
+        widths.lengths += halfEdge * abs(BokehSines(angle * (f32(i) - k)));
+        widths.fifth += halfEdge * abs(BokehCosSin(angle * (f32(i) - 5.0)).y);
     }
-    widths.lengths *= 1.0 - abs(along.x * cos(angle * k) + along.y * sin(angle * k));
+    widths.lengths *= 1.0 - abs(along.x * BokehSines(angle * k + 1.57079633) + along.y *
+        BokehSines(angle * k));
     // only a decagon has an edge 5, which faces along the x axis
     widths.fifth *= 1.0 - abs(along.x);
     return widths;

@@ -64,7 +64,7 @@ fn BokehCoCMap(ColorSamp: texture_2d<f32>, DepthSamp: BokehDepthTexture, uv: vec
 //   returns       uv offset for a CoC of 1; the other end of the line is its negative
 fn BokehLineEnd(angle: f32, aspectRatio: f32) -> vec2f
 {
-    return vec2f(0.5 * cos(angle) / aspectRatio, 0.5 * sin(angle));
+    return BokehCosSin(angle) * vec2f(0.5 / aspectRatio, 0.5);
 }
 
 // Listing 2: makeOffsets, returns the offset of sample i of numSamples along the line
@@ -89,7 +89,7 @@ fn BokehMakeOffsets(lineEnd: vec2f, i: i32, numSamples: i32) -> vec2f
 //                 BokehEdgeLine returns it
 fn BokehSegment(angle: f32, lineLength: f32, lineCenter: vec2f, squeeze: f32) -> vec4f
 {
-    let halfLine: vec2f = vec2f(cos(angle), sin(angle)) * 0.5 * lineLength;
+    let halfLine: vec2f = BokehCosSin(angle) * 0.5 * lineLength;
     return vec4f(lineCenter, halfLine) * vec4f(squeeze, 1.0, squeeze, 1.0);
 }
 

@@ -89,6 +89,15 @@ ivec2 size=BOKEH_DEPTH_SIZE(tex);
 ivec2 texel=ivec2(clamp(coords,0.,1.)*vec2(size));
 return texelFetch(tex,min(texel,size-ivec2(1,1)),0).rg;}
 #endif
+bool BokehIsNaN(float value){
+return (floatBitsToUint(value) & 0x7fffffffu)>0x7f800000u;}
+vec4 BokehSines(vec4 angles){
+vec4 wave=angles*.159154943+.25;
+wave=4.*abs(wave-floor(wave+.46))-1.;
+vec4 square=wave*wave;
+return wave*(1.57079615-square*(.645961552-square*(.079682161-square*(.00466415239-square*.000147407686))));}
+vec2 BokehCosSin(float angle){
+return BokehSines(vec4(angle+1.57079633,angle,0.,0.)).xy;}
 vec2 BokehToTexture(vec2 uv){
 vec2 coords=uv;
 return coords;}
@@ -119,7 +128,7 @@ CoC = -CoC;}
 return CoC;}
 float BokehSanitize(float value,float minimum,float maximum){
 float safe=minimum;
-if(value>=minimum){
+if(!BokehIsNaN(value)&&value>=minimum){
 safe=min(value,maximum);}
 return safe;}
 float BokehLinearDepth(vec2 stored,int kind,float nearPlane,float farPlane){
@@ -246,23 +255,23 @@ vec4 strip4;
 vec4 strip5;
 };
 BokehPolygon BokehMakePolygon(int sides,float rotation,float squeeze){
-float halfStep=3.14159265/float(sides);
-float edge=sin(halfStep);
+vec2 halfTurn=BokehCosSin(3.14159265/float(sides));
+float edge=halfTurn.y;
+float height=halfTurn.x;
 BokehPolygon polygon;
 polygon.sides=sides;
-polygon.axis=vec2(cos(rotation),sin(rotation));
+polygon.axis=BokehCosSin(rotation);
 polygon.squeeze=squeeze;
 polygon.lengths=vec4(edge,edge,edge,edge);
 polygon.fifth=edge;
-polygon.corner=vec2(.5*cos(halfStep),.5*edge);
-polygon.mean=vec2(0.,.5*cos(halfStep)*cos(halfStep)/(edge*(.5*float(sides) -1.)));
-polygon.area=.25*float(sides)*edge*cos(halfStep);
+polygon.corner=vec2(.5*height,.5*edge);
+polygon.mean=vec2(0.,.5*height*height/(edge*(.5*float(sides)-1.)));
+polygon.area=.25*float(sides)*edge*height;
 return polygon;}
 vec2 BokehRotated(vec2 direction,vec2 axis){
 return vec2(direction.x*axis.x-direction.y*axis.y,direction.x*axis.y+direction.y*axis.x);}
 vec2 BokehTurn(float k,BokehPolygon polygon){
-float angle=6.28318531/float(polygon.sides)*k;
-return vec2(cos(angle),sin(angle));}
+return BokehCosSin(6.28318531/float(polygon.sides)*k);}
 float BokehEdgeLength(int k,BokehPolygon polygon){
 int edge=k;
 if(k>polygon.sides/2){
@@ -292,7 +301,7 @@ return segment*vec4(polygon.squeeze,1.,polygon.squeeze,1.);}
 vec4 BokehEdgeWeights(int k,BokehPolygon polygon){
 float angle=6.28318531/float(polygon.sides);
 vec4 steps=max(vec4(float(k)-1.,float(k)-2.,float(k)-3.,float(k)-4.),vec4(0.));
-return max(sin(steps*angle),vec4(0.))*polygon.lengths;}
+return max(BokehSines(steps*angle),vec4(0.))*polygon.lengths;}
 float BokehEdgeArea(int k,BokehPolygon polygon){
 return dot(BokehEdgeWeights(k,polygon),vec4(1.))*BokehEdgeLength(k,polygon);}
 vec4 BokehRay(int k,BokehPolygon polygon,bool secondPass){
@@ -453,13 +462,13 @@ return BokehSanitize(BokehFetchDepth(DepthSamp,BokehToTexture(uv)).x,BOKEH_MIN_D
 vec4 BokehCoCMap(sampler2D ColorSamp,BOKEH_DEPTH_TEXTURE DepthSamp,vec2 uv,BokehLens lens){
 return BokehPackCoC(BokehFetchTexel(ColorSamp,BokehToTexture(uv)),abs(BokehSignedCoC(BokehPaperDepth(DepthSamp,uv),lens)));}
 vec2 BokehLineEnd(float angle,float aspectRatio){
-return vec2(.5*cos(angle)/aspectRatio,.5*sin(angle));}
+return BokehCosSin(angle)*vec2(.5/aspectRatio,.5);}
 vec2 BokehMakeOffsets(vec2 lineEnd,int i,int numSamples){
 int last=max(numSamples,2)-1;
 float t=float(2*i-last)/float(last);
 return lineEnd*t;}
 vec4 BokehSegment(float angle,float lineLength,vec2 lineCenter,float squeeze){
-vec2 halfLine=vec2(cos(angle),sin(angle))*.5*lineLength;
+vec2 halfLine=BokehCosSin(angle)*.5*lineLength;
 return vec4(lineCenter,halfLine)*vec4(squeeze,1.,squeeze,1.);}
 float BokehLeakageWeight(float sampleDepth,float sampleCoC,float centerDepth,float centerCoC,BokehSamplingSettings settings){
 float weight=1.;
@@ -843,11 +852,9 @@ float sideTap;
 };
 BokehBlur BokehLayerBlur(vec2 layerCoC,bool isFar,BokehPolygon polygon){
 float CoC=layerCoC.r/float(BOKEH_LAYER_SCALE);
-float minSpacing=1.5;
 float selfBlur=9.;
 if(isFar){
 CoC=layerCoC.g/float(BOKEH_LAYER_SCALE);
-minSpacing=1.15;
 selfBlur=clamp(.06*CoC*CoC,7.5,22.);}
 float spacing=.5*CoC/float(BOKEH_LAYER_SAMPLES);
 float hard=.4;
@@ -855,7 +862,7 @@ if(polygon.sides<6){
 spacing=.354*CoC/float(BOKEH_LAYER_SAMPLES);
 hard=.2;}
 BokehBlur blur;
-blur.useQuarterLayer=spacing>minSpacing;
+blur.useQuarterLayer=spacing>1.25;
 blur.sideTap=0.;
 if(blur.useQuarterLayer){
 blur.sideTap=clamp(.25*spacing-hard,0.,.6);
@@ -1347,9 +1354,8 @@ BokehPolygon BokehWithRoundness(BokehPolygon polygon,float roundness){
 BokehPolygon result=polygon;
 if(polygon.sides==8){
 float corner=.39269908*clamp(roundness,0.,1.);
-float odd=sin(max(corner,.001));
-float even=sin(.78539816-corner);
-result.lengths=vec4(odd,even,odd,even);
+vec4 sines=BokehSines(vec4(max(corner,.001),.78539816-corner,0.,0.));
+result.lengths=sines.xyxy;
 result=BokehUpdatePolygon(result);}
 return result;}
 BokehPolygon BokehHalfWidths(BokehPolygon polygon,vec2 along){
@@ -1360,9 +1366,9 @@ widths.lengths=vec4(0.);
 widths.fifth=0.;
 for(int i=1;i<=polygon.sides/2;i++){
 float halfEdge=.5*BokehEdgeLength(i,polygon);
-widths.lengths+=halfEdge*abs(sin(angle*(float(i)-k)));
-widths.fifth+=halfEdge*abs(sin(angle*(float(i)-5.)));}
-widths.lengths*=1.-abs(along.x*cos(angle*k)+along.y*sin(angle*k));
+widths.lengths+=halfEdge*abs(BokehSines(angle*(float(i)-k)));
+widths.fifth+=halfEdge*abs(BokehCosSin(angle*(float(i)-5.)).y);}
+widths.lengths*=1.-abs(along.x*BokehSines(angle*k+1.57079633)+along.y*BokehSines(angle*k));
 widths.fifth*=1.-abs(along.x);
 return widths;}
 vec4 BokehFourLengths(int first,BokehPolygon polygon){
@@ -1450,6 +1456,15 @@ fn BokehFetchDepth(tex:BokehDepthTexture,coords:vec2f)->vec2f{
 let size=vec2i(textureDimensions(tex));
 let texel=vec2i(saturate(coords)*vec2f(size));
 return vec4f(textureLoad(tex,min(texel,size-vec2i(1,1)),0)).rg;}
+fn BokehIsNaN(value:f32)->bool{
+return (bitcast<u32>(value) & 0x7fffffffu)>0x7f800000u;}
+fn BokehSines(angles:vec4f)->vec4f{
+var wave=angles*.159154943+.25;
+wave=4.*abs(wave-floor(wave+.46))-1.;
+let square=wave*wave;
+return wave*(1.57079615-square*(.645961552-square*(.079682161-square*(.00466415239-square*.000147407686))));}
+fn BokehCosSin(angle:f32)->vec2f{
+return BokehSines(vec4f(angle+1.57079633,angle,0.,0.)).xy;}
 fn BokehToTexture(uv:vec2f)->vec2f{
 var coords=uv;
 return coords;}
@@ -1475,7 +1490,7 @@ CoC = -CoC;}
 return CoC;}
 fn BokehSanitize(value:f32,minimum:f32,maximum:f32)->f32{
 var safe=minimum;
-if(value>=minimum){
+if(!BokehIsNaN(value)&&value>=minimum){
 safe=min(value,maximum);}
 return safe;}
 fn BokehLinearDepth(stored:vec2f,kind:i32,nearPlane:f32,farPlane:f32)->f32{
@@ -1584,23 +1599,23 @@ sides:i32,axis:vec2f,squeeze:f32,lengths:vec4f,fifth:f32,corner:vec2f,mean:vec2f
 struct BokehTargets{
 strip2:vec4f,strip3:vec4f,strip4:vec4f,strip5:vec4f,}
 fn BokehMakePolygon(sides:i32,rotation:f32,squeeze:f32)->BokehPolygon{
-let halfStep=3.14159265/f32(sides);
-let edge=sin(halfStep);
+let halfTurn=BokehCosSin(3.14159265/f32(sides));
+let edge=halfTurn.y;
+let height=halfTurn.x;
 var polygon:BokehPolygon;
 polygon.sides=sides;
-polygon.axis=vec2f(cos(rotation),sin(rotation));
+polygon.axis=BokehCosSin(rotation);
 polygon.squeeze=squeeze;
 polygon.lengths=vec4f(edge,edge,edge,edge);
 polygon.fifth=edge;
-polygon.corner=vec2f(.5*cos(halfStep),.5*edge);
-polygon.mean=vec2f(0.,.5*cos(halfStep)*cos(halfStep)/(edge*(.5*f32(sides) -1.)));
-polygon.area=.25*f32(sides)*edge*cos(halfStep);
+polygon.corner=vec2f(.5*height,.5*edge);
+polygon.mean=vec2f(0.,.5*height*height/(edge*(.5*f32(sides)-1.)));
+polygon.area=.25*f32(sides)*edge*height;
 return polygon;}
 fn BokehRotated(direction:vec2f,axis:vec2f)->vec2f{
 return vec2f(direction.x*axis.x-direction.y*axis.y,direction.x*axis.y+direction.y*axis.x);}
 fn BokehTurn(k:f32,polygon:BokehPolygon)->vec2f{
-let angle=6.28318531/f32(polygon.sides)*k;
-return vec2f(cos(angle),sin(angle));}
+return BokehCosSin(6.28318531/f32(polygon.sides)*k);}
 fn BokehEdgeLength(k:i32,polygon:BokehPolygon)->f32{
 var edge=k;
 if(k>polygon.sides/2){
@@ -1630,7 +1645,7 @@ return segment*vec4f(polygon.squeeze,1.,polygon.squeeze,1.);}
 fn BokehEdgeWeights(k:i32,polygon:BokehPolygon)->vec4f{
 let angle=6.28318531/f32(polygon.sides);
 let steps=max(vec4f(f32(k)-1.,f32(k)-2.,f32(k)-3.,f32(k)-4.),vec4f(0.));
-return max(sin(steps*angle),vec4f(0.))*polygon.lengths;}
+return max(BokehSines(steps*angle),vec4f(0.))*polygon.lengths;}
 fn BokehEdgeArea(k:i32,polygon:BokehPolygon)->f32{
 return dot(BokehEdgeWeights(k,polygon),vec4f(1.))*BokehEdgeLength(k,polygon);}
 fn BokehRay(k:i32,polygon:BokehPolygon,secondPass:bool)->vec4f{
@@ -1780,13 +1795,13 @@ return BokehSanitize(BokehFetchDepth(DepthSamp,BokehToTexture(uv)).x,BOKEH_MIN_D
 fn BokehCoCMap(ColorSamp:texture_2d<f32>,DepthSamp:BokehDepthTexture,uv:vec2f,lens:BokehLens)->vec4f{
 return BokehPackCoC(BokehFetchTexel(ColorSamp,BokehToTexture(uv)),abs(BokehSignedCoC(BokehPaperDepth(DepthSamp,uv),lens)));}
 fn BokehLineEnd(angle:f32,aspectRatio:f32)->vec2f{
-return vec2f(.5*cos(angle)/aspectRatio,.5*sin(angle));}
+return BokehCosSin(angle)*vec2f(.5/aspectRatio,.5);}
 fn BokehMakeOffsets(lineEnd:vec2f,i:i32,numSamples:i32)->vec2f{
 let last=max(numSamples,2)-1;
 let t=f32(2*i-last)/f32(last);
 return lineEnd*t;}
 fn BokehSegment(angle:f32,lineLength:f32,lineCenter:vec2f,squeeze:f32)->vec4f{
-let halfLine=vec2f(cos(angle),sin(angle))*.5*lineLength;
+let halfLine=BokehCosSin(angle)*.5*lineLength;
 return vec4f(lineCenter,halfLine)*vec4f(squeeze,1.,squeeze,1.);}
 fn BokehLeakageWeight(sampleDepth:f32,sampleCoC:f32,centerDepth:f32,centerCoC:f32,settings:BokehSamplingSettings)->f32{
 var weight=1.;
@@ -2100,11 +2115,9 @@ struct BokehBlur{
 CoC:f32,spacing:f32,useQuarterLayer:bool,sideTap:f32,}
 fn BokehLayerBlur(layerCoC:vec2f,isFar:bool,polygon:BokehPolygon)->BokehBlur{
 var CoC=layerCoC.r/f32(BOKEH_LAYER_SCALE);
-var minSpacing=1.5;
 var selfBlur=9.;
 if(isFar){
 CoC=layerCoC.g/f32(BOKEH_LAYER_SCALE);
-minSpacing=1.15;
 selfBlur=clamp(.06*CoC*CoC,7.5,22.);}
 var spacing=.5*CoC/f32(BOKEH_LAYER_SAMPLES);
 var hard=.4;
@@ -2112,7 +2125,7 @@ if(polygon.sides<6){
 spacing=.354*CoC/f32(BOKEH_LAYER_SAMPLES);
 hard=.2;}
 var blur:BokehBlur;
-blur.useQuarterLayer=spacing>minSpacing;
+blur.useQuarterLayer=spacing>1.25;
 blur.sideTap=0.;
 if(blur.useQuarterLayer){
 blur.sideTap=clamp(.25*spacing-hard,0.,.6);
@@ -2569,9 +2582,8 @@ fn BokehWithRoundness(polygon:BokehPolygon,roundness:f32)->BokehPolygon{
 var result=polygon;
 if(polygon.sides==8){
 let corner=.39269908*clamp(roundness,0.,1.);
-let odd=sin(max(corner,.001));
-let even=sin(.78539816-corner);
-result.lengths=vec4f(odd,even,odd,even);
+let sines=BokehSines(vec4f(max(corner,.001),.78539816-corner,0.,0.));
+result.lengths=sines.xyxy;
 result=BokehUpdatePolygon(result);}
 return result;}
 fn BokehHalfWidths(polygon:BokehPolygon,along:vec2f)->BokehPolygon{
@@ -2582,9 +2594,9 @@ widths.lengths=vec4f(0.);
 widths.fifth=0.;
 for(var i=1;i<=polygon.sides/2;i++){
 let halfEdge=.5*BokehEdgeLength(i,polygon);
-widths.lengths+=halfEdge*abs(sin(angle*(f32(i)-k)));
-widths.fifth+=halfEdge*abs(sin(angle*(f32(i)-5.)));}
-widths.lengths*=1.-abs(along.x*cos(angle*k)+along.y*sin(angle*k));
+widths.lengths+=halfEdge*abs(BokehSines(angle*(f32(i)-k)));
+widths.fifth+=halfEdge*abs(BokehCosSin(angle*(f32(i)-5.)).y);}
+widths.lengths*=1.-abs(along.x*BokehSines(angle*k+1.57079633)+along.y*BokehSines(angle*k));
 widths.fifth*=1.-abs(along.x);
 return widths;}
 fn BokehFourLengths(first:i32,polygon:BokehPolygon)->vec4f{

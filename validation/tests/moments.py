@@ -23,7 +23,7 @@ import numpy as np
 from lines import Segment, edge_lengths, line_segment, parallelogram, polygon_edge
 
 from bokeh_validation.frame import aperture_shapes, methods
-from bokeh_validation.numerics.precision import FLOAT_STEP, Precision
+from bokeh_validation.numerics.precision import FLOAT_STEP, SINE, Precision
 
 
 class Spread(NamedTuple):
@@ -102,7 +102,7 @@ def tolerance(settings: methods.Settings, size: tuple[int, int], precision: Prec
     """
     spread = predicted(settings, size)
     passes = len(methods.plan(settings, size).passes) - 1 if settings.method != "exact" else 2
-    position_error = passes * (precision.place(max(size)) + precision.line * settings.coc * size[1])
+    position_error = passes * (precision.place(max(size)) + SINE * settings.coc * size[1])
     blend = precision.filter + (settings.count + 8) * FLOAT_STEP
     largest = np.sqrt(spread.second.diagonal().max())
     moments = (np.sqrt(np.trace(spread.second)) + np.sqrt(2.0)) ** 2 + largest**2

@@ -123,6 +123,22 @@ ivec2 texel = ivec2(clamp(coords, 0.0, 1.0) * vec2(size));
 return texelFetch(tex, min(texel, size - ivec2(1, 1)), 0).rg;
 }
 #endif
+bool BokehIsNaN(float value)
+{
+return (floatBitsToUint(value) & 0x7fffffffu) > 0x7f800000u;
+}
+vec4 BokehSines(vec4 angles)
+{
+vec4 wave = angles * 0.159154943 + 0.25;
+wave = 4.0 * abs(wave - floor(wave + 0.46)) - 1.0;
+vec4 square = wave * wave;
+return wave * (1.57079615 - square * (0.645961552 - square * (0.079682161 - square *
+(0.00466415239 - square * 0.000147407686))));
+}
+vec2 BokehCosSin(float angle)
+{
+return BokehSines(vec4(angle + 1.57079633, angle, 0.0, 0.0)).xy;
+}
 vec4 BokehViewport = vec4(0.0, 0.0, 1.0, 1.0);
 vec4 BokehViewportBounds = vec4(0.0, 0.0, 1.0, 1.0);
 void BokehSetViewport(vec4 viewport, vec2 textureSize)
@@ -182,7 +198,7 @@ return CoC;
 float BokehSanitize(float value, float minimum, float maximum)
 {
 float safe = minimum;
-if (value >= minimum)
+if (!BokehIsNaN(value) && value >= minimum)
 {
 safe = min(value, maximum);
 }
@@ -387,18 +403,18 @@ vec4 strip5;
 };
 BokehPolygon BokehMakePolygon(int sides, float rotation, float squeeze)
 {
-float halfStep = 3.14159265 / float(sides);
-float edge = sin(halfStep);
+vec2 halfTurn = BokehCosSin(3.14159265 / float(sides));
+float edge = halfTurn.y;
+float height = halfTurn.x;
 BokehPolygon polygon;
 polygon.sides = sides;
-polygon.axis = vec2(cos(rotation), sin(rotation));
+polygon.axis = BokehCosSin(rotation);
 polygon.squeeze = squeeze;
 polygon.lengths = vec4(edge, edge, edge, edge);
 polygon.fifth = edge;
-polygon.corner = vec2(0.5 * cos(halfStep), 0.5 * edge);
-polygon.mean = vec2(0.0, 0.5 * cos(halfStep) * cos(halfStep) / (edge * (0.5 * float(sides) -
-1.0)));
-polygon.area = 0.25 * float(sides) * edge * cos(halfStep);
+polygon.corner = vec2(0.5 * height, 0.5 * edge);
+polygon.mean = vec2(0.0, 0.5 * height * height / (edge * (0.5 * float(sides) - 1.0)));
+polygon.area = 0.25 * float(sides) * edge * height;
 return polygon;
 }
 vec2 BokehRotated(vec2 direction, vec2 axis)
@@ -408,8 +424,7 @@ axis.x);
 }
 vec2 BokehTurn(float k, BokehPolygon polygon)
 {
-float angle = 6.28318531 / float(polygon.sides) * k;
-return vec2(cos(angle), sin(angle));
+return BokehCosSin(6.28318531 / float(polygon.sides) * k);
 }
 float BokehEdgeLength(int k, BokehPolygon polygon)
 {
@@ -462,7 +477,7 @@ vec4 BokehEdgeWeights(int k, BokehPolygon polygon)
 float angle = 6.28318531 / float(polygon.sides);
 vec4 steps = max(vec4(float(k) - 1.0, float(k) - 2.0, float(k) - 3.0, float(k) - 4.0), vec4(0.0,
 0.0, 0.0, 0.0));
-return max(sin(steps * angle), vec4(0.0, 0.0, 0.0, 0.0)) * polygon.lengths;
+return max(BokehSines(steps * angle), vec4(0.0, 0.0, 0.0, 0.0)) * polygon.lengths;
 }
 float BokehEdgeArea(int k, BokehPolygon polygon)
 {
@@ -715,7 +730,7 @@ abs(BokehSignedCoC(BokehPaperDepth(DepthSamp, uv), lens)));
 }
 vec2 BokehLineEnd(float angle, float aspectRatio)
 {
-return vec2(0.5 * cos(angle) / aspectRatio, 0.5 * sin(angle));
+return BokehCosSin(angle) * vec2(0.5 / aspectRatio, 0.5);
 }
 vec2 BokehMakeOffsets(vec2 lineEnd, int i, int numSamples)
 {
@@ -725,7 +740,7 @@ return lineEnd * t;
 }
 vec4 BokehSegment(float angle, float lineLength, vec2 lineCenter, float squeeze)
 {
-vec2 halfLine = vec2(cos(angle), sin(angle)) * 0.5 * lineLength;
+vec2 halfLine = BokehCosSin(angle) * 0.5 * lineLength;
 return vec4(lineCenter, halfLine) * vec4(squeeze, 1.0, squeeze, 1.0);
 }
 float BokehLeakageWeight(float sampleDepth, float sampleCoC, float centerDepth, float centerCoC,
@@ -934,8 +949,7 @@ return BokehResolve(color, totalWeight, centerPixel, blurCoC);
 #define BOKEH_TUNED_FAR_SELF_BLUR 0.06
 #define BOKEH_TUNED_FAR_SELF_BLUR_MIN 7.5
 #define BOKEH_TUNED_FAR_SELF_BLUR_MAX 22.0
-#define BOKEH_TUNED_NEAR_QUARTER 1.5
-#define BOKEH_TUNED_FAR_QUARTER 1.15
+#define BOKEH_TUNED_QUARTER 1.25
 #define BOKEH_TUNED_HEXAGON_SIDE 0.4
 #define BOKEH_TUNED_SQUARE_SIDE 0.2
 #define BOKEH_TUNED_RING_WIDTH 2.75
@@ -1347,12 +1361,10 @@ float sideTap;
 BokehBlur BokehLayerBlur(vec2 layerCoC, bool isFar, BokehPolygon polygon)
 {
 float CoC = layerCoC.r / float(BOKEH_LAYER_SCALE);
-float minSpacing = BOKEH_TUNED_NEAR_QUARTER;
 float selfBlur = BOKEH_TUNED_NEAR_SELF_BLUR;
 if (isFar)
 {
 CoC = layerCoC.g / float(BOKEH_LAYER_SCALE);
-minSpacing = BOKEH_TUNED_FAR_QUARTER;
 selfBlur = clamp(BOKEH_TUNED_FAR_SELF_BLUR * CoC * CoC, BOKEH_TUNED_FAR_SELF_BLUR_MIN,
 BOKEH_TUNED_FAR_SELF_BLUR_MAX);
 }
@@ -1364,7 +1376,7 @@ spacing = 0.354 * CoC / float(BOKEH_LAYER_SAMPLES);
 hard = BOKEH_TUNED_SQUARE_SIDE;
 }
 BokehBlur blur;
-blur.useQuarterLayer = spacing > minSpacing;
+blur.useQuarterLayer = spacing > BOKEH_TUNED_QUARTER;
 blur.sideTap = 0.0;
 if (blur.useQuarterLayer)
 {
@@ -2083,9 +2095,8 @@ BokehPolygon result = polygon;
 if (polygon.sides == 8)
 {
 float corner = 0.39269908 * clamp(roundness, 0.0, 1.0);
-float odd = sin(max(corner, 0.001));
-float even = sin(0.78539816 - corner);
-result.lengths = vec4(odd, even, odd, even);
+vec4 sines = BokehSines(vec4(max(corner, 0.001), 0.78539816 - corner, 0.0, 0.0));
+result.lengths = sines.xyxy;
 result = BokehUpdatePolygon(result);
 }
 return result;
@@ -2100,10 +2111,11 @@ widths.fifth = 0.0;
 for (int i = 1; i <= polygon.sides / 2; i++)
 {
 float halfEdge = 0.5 * BokehEdgeLength(i, polygon);
-widths.lengths += halfEdge * abs(sin(angle * (float(i) - k)));
-widths.fifth += halfEdge * abs(sin(angle * (float(i) - 5.0)));
+widths.lengths += halfEdge * abs(BokehSines(angle * (float(i) - k)));
+widths.fifth += halfEdge * abs(BokehCosSin(angle * (float(i) - 5.0)).y);
 }
-widths.lengths *= 1.0 - abs(along.x * cos(angle * k) + along.y * sin(angle * k));
+widths.lengths *= 1.0 - abs(along.x * BokehSines(angle * k + 1.57079633) + along.y *
+BokehSines(angle * k));
 widths.fifth *= 1.0 - abs(along.x);
 return widths;
 }

@@ -315,6 +315,49 @@ float2 BokehFetchDepth(BOKEH_DEPTH_TEXTURE tex, float2 coords)
 
 #endif
 
+// Porting: returns whether a value is NaN, by its bits
+//   With fast math, a compiler takes it that no value is NaN, and may change a comparison that NaN
+//   fails into one that it passes.
+//   Shader model 3 has no bits, so there BokehSanitize is left with its comparison.
+bool BokehIsNaN(float value)
+{
+#if BOKEH_HLSL_SM == 3
+    return false;
+#else
+    return (asuint(value) & 0x7fffffffu) > 0x7f800000u;
+#endif
+}
+
+// Porting: returns the sines of four angles
+//   The sin of a GPU may be wrong by 0.0005 (Vulkan and WebGPU allow that), which moves samples in
+//   a wide blur, so GPUs would draw different pictures. These sines are exact to 0.000001 for
+//   angles up to a turn: a triangle wave, bent by a polynomial. Shader model 3 has no room for
+//   it.
+//   angles        radians
+float4 BokehSines(float4 angles)
+{
+#if BOKEH_HLSL_SM == 3
+    return sin(angles);
+#else
+    float4 wave = angles * 0.159154943 + 0.25;
+    wave = 4.0 * abs(wave - floor(wave + 0.46)) - 1.0;
+    float4 square = wave * wave;
+    return wave * (1.57079615 - square * (0.645961552 - square * (0.079682161 - square *
+        (0.00466415239 - square * 0.000147407686))));
+#endif
+}
+
+// Porting: returns cos and sin of an angle, see BokehSines
+//   angle         radians
+float2 BokehCosSin(float angle)
+{
+#if BOKEH_HLSL_SM == 3
+    return float2(cos(angle), sin(angle));
+#else
+    return BokehSines(float4(angle + 1.57079633, angle, 0.0, 0.0)).xy;
+#endif
+}
+
 // where the image lies in its textures, in texture uv: corner and size; the bounds of fetches
 static float4 BokehViewport = float4(0.0, 0.0, 1.0, 1.0);
 static float4 BokehViewportBounds = float4(0.0, 0.0, 1.0, 1.0);
@@ -407,12 +450,12 @@ float BokehSignedCoC(float depth, BokehLens lens)
 }
 
 // Listing 1: limits a value to minimum .. maximum, and replaces NaN by the minimum
-//   NaN fails the comparison below; max() could return either operand. The comparison has to be
-//   >=, since fxc for shader model 3 would turn > into its opposite, which NaN passes.
+//   max() could return either operand if one is NaN. In shader model 3, NaN fails the comparison
+//   below. It has to be >=, since fxc would turn > into its opposite, which NaN passes.
 float BokehSanitize(float value, float minimum, float maximum)
 {
     float safe = minimum;
-    if (value >= minimum)
+    if (!BokehIsNaN(value) && value >= minimum)
     {
         safe = min(value, maximum);
     }
@@ -762,18 +805,18 @@ struct BokehTargets
 //   squeeze       width of the bokeh / its height
 BokehPolygon BokehMakePolygon(int sides, float rotation, float squeeze)
 {
-    float halfStep = 3.14159265 / float(sides);
-    float edge = sin(halfStep);
+    float2 halfTurn = BokehCosSin(3.14159265 / float(sides));
+    float edge = halfTurn.y;
+    float height = halfTurn.x;
     BokehPolygon polygon;
     polygon.sides = sides;
-    polygon.axis = float2(cos(rotation), sin(rotation));
+    polygon.axis = BokehCosSin(rotation);
     polygon.squeeze = squeeze;
     polygon.lengths = float4(edge, edge, edge, edge);
     polygon.fifth = edge;
-    polygon.corner = float2(0.5 * cos(halfStep), 0.5 * edge);
-    polygon.mean = float2(0.0, 0.5 * cos(halfStep) * cos(halfStep) / (edge * (0.5 * float(sides) -
-        1.0)));
-    polygon.area = 0.25 * float(sides) * edge * cos(halfStep);
+    polygon.corner = float2(0.5 * height, 0.5 * edge);
+    polygon.mean = float2(0.0, 0.5 * height * height / (edge * (0.5 * float(sides) - 1.0)));
+    polygon.area = 0.25 * float(sides) * edge * height;
     return polygon;
 }
 
@@ -788,8 +831,7 @@ float2 BokehRotated(float2 direction, float2 axis)
 // Exact: returns cos and sin of k times the angle from one edge to the next
 float2 BokehTurn(float k, BokehPolygon polygon)
 {
-    float angle = 6.28318531 / float(polygon.sides) * k;
-    return float2(cos(angle), sin(angle));
+    return BokehCosSin(6.28318531 / float(polygon.sides) * k);
 }
 
 // Exact: returns the length of edge k, in units of the CoC
@@ -857,7 +899,7 @@ float4 BokehEdgeWeights(int k, BokehPolygon polygon)
     float angle = 6.28318531 / float(polygon.sides);
     float4 steps = max(float4(float(k) - 1.0, float(k) - 2.0, float(k) - 3.0, float(k) - 4.0),
         float4(0.0, 0.0, 0.0, 0.0));
-    return max(sin(steps * angle), float4(0.0, 0.0, 0.0, 0.0)) * polygon.lengths;
+    return max(BokehSines(steps * angle), float4(0.0, 0.0, 0.0, 0.0)) * polygon.lengths;
 }
 
 // Exact: returns the area of the parallelograms of edge k with the edges before it

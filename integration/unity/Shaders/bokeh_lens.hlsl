@@ -52,9 +52,8 @@ BokehPolygon BokehWithRoundness(BokehPolygon polygon, float roundness)
     if (polygon.sides == 8)
     {
         float corner = 0.39269908 * clamp(roundness, 0.0, 1.0);
-        float odd = sin(max(corner, 0.001));
-        float even = sin(0.78539816 - corner);
-        result.lengths = float4(odd, even, odd, even);
+        float4 sines = BokehSines(float4(max(corner, 0.001), 0.78539816 - corner, 0.0, 0.0));
+        result.lengths = sines.xyxy;
         result = BokehUpdatePolygon(result);
     }
     return result;
@@ -75,10 +74,11 @@ BokehPolygon BokehHalfWidths(BokehPolygon polygon, float2 along)
     BOKEH_LOOP for (int i = 1; i <= polygon.sides / 2; i++)
     {
         float halfEdge = 0.5 * BokehEdgeLength(i, polygon);
-        widths.lengths += halfEdge * abs(sin(angle * (float(i) - k)));
-        widths.fifth += halfEdge * abs(sin(angle * (float(i) - 5.0)));
+        widths.lengths += halfEdge * abs(BokehSines(angle * (float(i) - k)));
+        widths.fifth += halfEdge * abs(BokehCosSin(angle * (float(i) - 5.0)).y);
     }
-    widths.lengths *= 1.0 - abs(along.x * cos(angle * k) + along.y * sin(angle * k));
+    widths.lengths *= 1.0 - abs(along.x * BokehSines(angle * k + 1.57079633) + along.y *
+        BokehSines(angle * k));
     // only a decagon has an edge 5, which faces along the x axis
     widths.fifth *= 1.0 - abs(along.x);
     return widths;

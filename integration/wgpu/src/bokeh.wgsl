@@ -38,6 +38,22 @@ let size: vec2i = vec2i(textureDimensions(tex));
 let texel: vec2i = vec2i(saturate(coords) * vec2f(size));
 return vec4f(textureLoad(tex, min(texel, size - vec2i(1, 1)), 0)).rg;
 }
+fn BokehIsNaN(value: f32) -> bool
+{
+return (bitcast<u32>(value) & 0x7fffffffu) > 0x7f800000u;
+}
+fn BokehSines(angles: vec4f) -> vec4f
+{
+var wave: vec4f = angles * 0.159154943 + 0.25;
+wave = 4.0 * abs(wave - floor(wave + 0.46)) - 1.0;
+let square: vec4f = wave * wave;
+return wave * (1.57079615 - square * (0.645961552 - square * (0.079682161 - square *
+(0.00466415239 - square * 0.000147407686))));
+}
+fn BokehCosSin(angle: f32) -> vec2f
+{
+return BokehSines(vec4f(angle + 1.57079633, angle, 0.0, 0.0)).xy;
+}
 var<private> BokehViewport: vec4f = vec4f(0.0, 0.0, 1.0, 1.0);
 var<private> BokehViewportBounds: vec4f = vec4f(0.0, 0.0, 1.0, 1.0);
 fn BokehSetViewport(viewport: vec4f, textureSize: vec2f)
@@ -97,7 +113,7 @@ return CoC;
 fn BokehSanitize(value: f32, minimum: f32, maximum: f32) -> f32
 {
 var safe: f32 = minimum;
-if (value >= minimum)
+if (!BokehIsNaN(value) && value >= minimum)
 {
 safe = min(value, maximum);
 }
@@ -303,18 +319,18 @@ strip5: vec4f,
 }
 fn BokehMakePolygon(sides: i32, rotation: f32, squeeze: f32) -> BokehPolygon
 {
-let halfStep: f32 = 3.14159265 / f32(sides);
-let edge: f32 = sin(halfStep);
+let halfTurn: vec2f = BokehCosSin(3.14159265 / f32(sides));
+let edge: f32 = halfTurn.y;
+let height: f32 = halfTurn.x;
 var polygon: BokehPolygon;
 polygon.sides = sides;
-polygon.axis = vec2f(cos(rotation), sin(rotation));
+polygon.axis = BokehCosSin(rotation);
 polygon.squeeze = squeeze;
 polygon.lengths = vec4f(edge, edge, edge, edge);
 polygon.fifth = edge;
-polygon.corner = vec2f(0.5 * cos(halfStep), 0.5 * edge);
-polygon.mean = vec2f(0.0, 0.5 * cos(halfStep) * cos(halfStep) / (edge * (0.5 * f32(sides) -
-1.0)));
-polygon.area = 0.25 * f32(sides) * edge * cos(halfStep);
+polygon.corner = vec2f(0.5 * height, 0.5 * edge);
+polygon.mean = vec2f(0.0, 0.5 * height * height / (edge * (0.5 * f32(sides) - 1.0)));
+polygon.area = 0.25 * f32(sides) * edge * height;
 return polygon;
 }
 fn BokehRotated(direction: vec2f, axis: vec2f) -> vec2f
@@ -324,8 +340,7 @@ axis.x);
 }
 fn BokehTurn(k: f32, polygon: BokehPolygon) -> vec2f
 {
-let angle: f32 = 6.28318531 / f32(polygon.sides) * k;
-return vec2f(cos(angle), sin(angle));
+return BokehCosSin(6.28318531 / f32(polygon.sides) * k);
 }
 fn BokehEdgeLength(k: i32, polygon: BokehPolygon) -> f32
 {
@@ -379,7 +394,7 @@ fn BokehEdgeWeights(k: i32, polygon: BokehPolygon) -> vec4f
 let angle: f32 = 6.28318531 / f32(polygon.sides);
 let steps: vec4f = max(vec4f(f32(k) - 1.0, f32(k) - 2.0, f32(k) - 3.0, f32(k) - 4.0), vec4f(0.0,
 0.0, 0.0, 0.0));
-return max(sin(steps * angle), vec4f(0.0, 0.0, 0.0, 0.0)) * polygon.lengths;
+return max(BokehSines(steps * angle), vec4f(0.0, 0.0, 0.0, 0.0)) * polygon.lengths;
 }
 fn BokehEdgeArea(k: i32, polygon: BokehPolygon) -> f32
 {
@@ -643,7 +658,7 @@ abs(BokehSignedCoC(BokehPaperDepth(DepthSamp, uv), lens)));
 }
 fn BokehLineEnd(angle: f32, aspectRatio: f32) -> vec2f
 {
-return vec2f(0.5 * cos(angle) / aspectRatio, 0.5 * sin(angle));
+return BokehCosSin(angle) * vec2f(0.5 / aspectRatio, 0.5);
 }
 fn BokehMakeOffsets(lineEnd: vec2f, i: i32, numSamples: i32) -> vec2f
 {
@@ -653,7 +668,7 @@ return lineEnd * t;
 }
 fn BokehSegment(angle: f32, lineLength: f32, lineCenter: vec2f, squeeze: f32) -> vec4f
 {
-let halfLine: vec2f = vec2f(cos(angle), sin(angle)) * 0.5 * lineLength;
+let halfLine: vec2f = BokehCosSin(angle) * 0.5 * lineLength;
 return vec4f(lineCenter, halfLine) * vec4f(squeeze, 1.0, squeeze, 1.0);
 }
 fn BokehLeakageWeight(sampleDepth: f32, sampleCoC: f32, centerDepth: f32, centerCoC: f32,
@@ -818,8 +833,7 @@ const BOKEH_TUNED_NEAR_SELF_BLUR: f32 = 9.0;
 const BOKEH_TUNED_FAR_SELF_BLUR: f32 = 0.06;
 const BOKEH_TUNED_FAR_SELF_BLUR_MIN: f32 = 7.5;
 const BOKEH_TUNED_FAR_SELF_BLUR_MAX: f32 = 22.0;
-const BOKEH_TUNED_NEAR_QUARTER: f32 = 1.5;
-const BOKEH_TUNED_FAR_QUARTER: f32 = 1.15;
+const BOKEH_TUNED_QUARTER: f32 = 1.25;
 const BOKEH_TUNED_HEXAGON_SIDE: f32 = 0.4;
 const BOKEH_TUNED_SQUARE_SIDE: f32 = 0.2;
 const BOKEH_TUNED_RING_WIDTH: f32 = 2.75;
@@ -1250,12 +1264,10 @@ sideTap: f32,
 fn BokehLayerBlur(layerCoC: vec2f, isFar: bool, polygon: BokehPolygon) -> BokehBlur
 {
 var CoC: f32 = layerCoC.r / f32(BOKEH_LAYER_SCALE);
-var minSpacing: f32 = BOKEH_TUNED_NEAR_QUARTER;
 var selfBlur: f32 = BOKEH_TUNED_NEAR_SELF_BLUR;
 if (isFar)
 {
 CoC = layerCoC.g / f32(BOKEH_LAYER_SCALE);
-minSpacing = BOKEH_TUNED_FAR_QUARTER;
 selfBlur = clamp(BOKEH_TUNED_FAR_SELF_BLUR * CoC * CoC, BOKEH_TUNED_FAR_SELF_BLUR_MIN,
 BOKEH_TUNED_FAR_SELF_BLUR_MAX);
 }
@@ -1267,7 +1279,7 @@ spacing = 0.354 * CoC / f32(BOKEH_LAYER_SAMPLES);
 hard = BOKEH_TUNED_SQUARE_SIDE;
 }
 var blur: BokehBlur;
-blur.useQuarterLayer = spacing > minSpacing;
+blur.useQuarterLayer = spacing > BOKEH_TUNED_QUARTER;
 blur.sideTap = 0.0;
 if (blur.useQuarterLayer)
 {
@@ -2022,9 +2034,8 @@ var result: BokehPolygon = polygon;
 if (polygon.sides == 8)
 {
 let corner: f32 = 0.39269908 * clamp(roundness, 0.0, 1.0);
-let odd: f32 = sin(max(corner, 0.001));
-let even: f32 = sin(0.78539816 - corner);
-result.lengths = vec4f(odd, even, odd, even);
+let sines: vec4f = BokehSines(vec4f(max(corner, 0.001), 0.78539816 - corner, 0.0, 0.0));
+result.lengths = sines.xyxy;
 result = BokehUpdatePolygon(result);
 }
 return result;
@@ -2039,10 +2050,11 @@ widths.fifth = 0.0;
 for (var i: i32 = 1; i <= polygon.sides / 2; i++)
 {
 let halfEdge: f32 = 0.5 * BokehEdgeLength(i, polygon);
-widths.lengths += halfEdge * abs(sin(angle * (f32(i) - k)));
-widths.fifth += halfEdge * abs(sin(angle * (f32(i) - 5.0)));
+widths.lengths += halfEdge * abs(BokehSines(angle * (f32(i) - k)));
+widths.fifth += halfEdge * abs(BokehCosSin(angle * (f32(i) - 5.0)).y);
 }
-widths.lengths *= 1.0 - abs(along.x * cos(angle * k) + along.y * sin(angle * k));
+widths.lengths *= 1.0 - abs(along.x * BokehSines(angle * k + 1.57079633) + along.y *
+BokehSines(angle * k));
 widths.fifth *= 1.0 - abs(along.x);
 return widths;
 }

@@ -22,8 +22,7 @@ def software_device(adapter: str) -> str:
 
 def precision_of(adapter: str) -> precision.Precision:
     """Return the precision that the reference has to allow a device."""
-    precisions = {"Mesa": precision.SOFTWARE, "SwiftShader": precision.SWIFTSHADER}
-    return precisions.get(software_device(adapter), precision.GPU)
+    return precision.SOFTWARE if software_device(adapter) in ("Mesa", "SwiftShader") else precision.GPU
 
 
 PROGRAMS = 64  # kept by a driver between jobs; one takes 3 to 5 MB in Mesa

@@ -5,7 +5,6 @@ A small program, windows/d3d9run.cpp, creates the textures and draws the passes;
 
 import shutil
 from dataclasses import replace
-from math import pi
 
 import numpy as np
 
@@ -14,7 +13,7 @@ from bokeh_validation.compilers import fxc
 from bokeh_validation.drivers.base import Driver, Image, flattened
 from bokeh_validation.errors import Unavailable
 from bokeh_validation.numerics.images import STORAGE
-from bokeh_validation.numerics.precision import FLOAT_STEP, SHADER_MODEL_3, Precision
+from bokeh_validation.numerics.precision import SHADER_MODEL_3, Precision
 from bokeh_validation.shaders.passes import SLOTS, is_linear
 from bokeh_validation.windows import programs, server, wine
 
@@ -36,14 +35,8 @@ class D3D9(Driver):
 
     @property
     def precision(self) -> Precision:
-        """Return the precision, whose sin and cos are less exact than on other drivers; shader model 3 has no room for
-        blended outlines.
-
-        For ps_3_0, fxc compiles both as sincos of frac(x / 2 pi + 1/2) 2 pi - pi, which multiplies the rounding of the
-        fraction, FLOAT_STEP, by 2 pi.
-        """
-        device = super().precision
-        return replace(device, line=device.line + 2.0 * pi * FLOAT_STEP, constants=SHADER_MODEL_3)
+        """Return the precision: shader model 3 has no room for blended outlines."""
+        return replace(super().precision, constants=SHADER_MODEL_3)
 
     def shader(self, stage: str, entry: str, values: dict[str, object]) -> str:
         """Compile an entry point and return its bytecode's file name in the program's folder.

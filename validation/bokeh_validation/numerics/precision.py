@@ -1,12 +1,8 @@
 """Define how far correct devices may be from the formula, with the sources of the numbers.
 
 The allowed interval of a pixel is computed along with its value, operation by operation (intervals.py). Only texture
-reads and sin and cos are less exact than float32's roundings:
-
-  * Sub-texel position. Direct3D 11 and Vulkan require 8 bits of sub-texel precision, so a position may be off by 1/256
-    of a texel (1/512 if it is rounded); software filters in float32 have no such step.
-  * Vulkan and WebGPU allow errors of 2^-11 in sin and cos. (SwiftShader's are off by 0.0002, Mesa's by less than a
-    float32 rounding.)
+reads are less exact than float32's roundings: Direct3D 11 and Vulkan require 8 bits of sub-texel precision, so a
+position may be off by 1/256 of a texel (1/512 if it is rounded). Software filters in float32 have no such step.
 
 Storing adds one step of the target's format: both neighbours of a value are valid roundings, and OpenGL and Vulkan do
 not say which one is used (Mesa's OpenGL truncates, its Vulkan rounds to nearest).
@@ -18,6 +14,9 @@ from dataclasses import dataclass
 SHADER_MODEL_3 = (("BOKEH_LAYER_OUTLINES", 0),)
 COORDINATE_ULPS = 8
 FLOAT_STEP = 2.0**-24
+# Error of BokehSines for angles up to a turn: three roundings of a value of up to 1.25 turns, times 2 pi, and less than
+# a tenth more from the polynomial (test_reference.test_sines). The sin and cos of shader model 3 are as exact.
+SINE = 0.000001
 
 
 @dataclass(frozen=True)
@@ -26,13 +25,11 @@ class Precision:
 
     subtexel  error of a sample's position from fixed-point coordinates, texels
     filter    rounding of the filter's blend, relative to the largest texel that it blends
-    line      error of sin and cos
     constants names and values of constants of `layered` that the language fixes, whatever a pass defines
     """
 
     subtexel: float
     filter: float
-    line: float
     constants: tuple[tuple[str, int], ...] = ()
 
     def place(self, length: int) -> float:
@@ -41,8 +38,6 @@ class Precision:
 
 
 # 8 bits of sub-texel position; blending in half-float precision, the minimum for a half-float texture.
-GPU = Precision(subtexel=2.0**-8, filter=2.0**-11, line=2.0**-11)
-# Mesa's software texture unit filters float formats in float32.
-SOFTWARE = Precision(subtexel=0.0, filter=4 * FLOAT_STEP, line=4 * FLOAT_STEP)
-# Chromium's software device filters float formats in float32 too, but its sin and cos are as inexact as a GPU's.
-SWIFTSHADER = Precision(subtexel=0.0, filter=4 * FLOAT_STEP, line=2.0**-11)
+GPU = Precision(subtexel=2.0**-8, filter=2.0**-11)
+# Mesa and SwiftShader, Chromium's software device, filter float formats in float32.
+SOFTWARE = Precision(subtexel=0.0, filter=4 * FLOAT_STEP)

@@ -136,9 +136,7 @@ def run_pass(
         pixels = np.arange(start, min(start + PIXELS, width * height))
         uv = np.stack([(pixels % width + 0.5) / width, (pixels // width + 0.5) / height])
         uv_interval = Interval(uv, uv - UV, uv + UV) if precision else Interval(uv)
-        run = Run(
-            library, {**scope, "BokehUV": uv_interval}, textures, precision.line if precision else 0.0, len(pixels)
-        )
+        run = Run(library, {**scope, "BokehUV": uv_interval}, textures, len(pixels))
         written = run.main(entry.name)
         return [written[name].spread(len(pixels)) for name in RESULTS[: entry.targets]], run.undecided
 

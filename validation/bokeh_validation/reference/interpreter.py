@@ -5,11 +5,12 @@ for them alone. If devices may take different branches, a pixel's variables beco
 likewise if it may have left a loop. Constants are plain Python numbers, computed as the compiler does; values from
 uniforms are Intervals. A struct is a dictionary of its members.
 
-Two cases use more than the operations alone:
+Three cases use more than the operations alone:
 
   * floor(x) in a declaration, where x may be on either side of a whole number: the rest of the block runs once for
     each side, since floor(x) + f(x - floor(x)) is usually the same from both.
   * BokehRotated: the error of a direction is a disc, which a rotation does not enlarge.
+  * BokehSines and BokehCosSin: the error is known, and smaller than what their operations could add up to.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -20,16 +21,18 @@ from itertools import product
 import numpy as np
 from pycparser import c_ast
 
-from bokeh_validation.numerics.precision import FLOAT_STEP
+from bokeh_validation.numerics.precision import FLOAT_STEP, SINE
 from bokeh_validation.reference.builtin import FUNCTIONS, OPERATORS
 from bokeh_validation.reference.glsl import Library
-from bokeh_validation.reference.intervals import Condition, Interval, chosen, picked, put_back
+from bokeh_validation.reference.intervals import Condition, Interval, chosen, interval, picked, put_back
 
 COMPONENTS = {letter: place for letters in ("xyzw", "rgba") for place, letter in enumerate(letters)}
 # functions that read a texture -> the method that does it
 FETCHES = {"BokehFetchTexture": "linear", "BokehFetchTexel": "nearest", "BokehFetchDepth": "depth"}
 # function with Listing 3's comparison
 LEAKAGE = "BokehLeakageWeight"
+# tests the bits of a number; float64 compares numbers as they are, so that the comparison beside it is enough
+IS_NAN = "BokehIsNaN"
 # calls to skip: the image fills its textures here, so there is no viewport to set
 SET_UP = ("BokehUseViewport", "BokehSetViewport")
 
@@ -48,6 +51,21 @@ def _rotated(direction: Interval, axis: Interval) -> Interval:
     error_after = error_before * (1.0 + turn) + np.hypot(x, y) * (turn + 3 * FLOAT_STEP)
     return Interval(value, value - error_after, value + error_after, error_after)
 
+
+def _sines(angles: Interval) -> Interval:
+    """Compute `BokehSines` from the sine itself."""
+    value, error = np.sin(angles.value), angles.error + SINE
+    return Interval(value, value - error, value + error)
+
+
+def _cos_sin(angle: Interval | float) -> Interval:
+    """Compute `BokehCosSin` from cosine and sine themselves."""
+    angle = interval(angle)
+    value, error = np.concatenate([np.cos(angle.value), np.sin(angle.value)]), angle.error + SINE
+    return Interval(value, value - error, value + error)
+
+
+OWN = {"BokehSines": _sines, "BokehCosSin": _cos_sin}
 
 # ----------------------------------------------------------------------------------------------------------- the text
 
@@ -73,7 +91,6 @@ class Run:
     library    the functions
     given      uniforms, constants and BokehUV by name; a texture's name maps to itself
     textures   name -> execution.Texture
-    line       Precision.line: error of sin and cos
     count      number of pixels
     undecided  (count,) bool: one of Listing 3's comparisons, or the side of a random offset, is open and makes a
                difference
@@ -82,7 +99,6 @@ class Run:
     library: Library
     given: Mapping[str, object]
     textures: Mapping[str, object]
-    line: float
     count: int
     undecided: np.ndarray = field(init=False)
 
@@ -95,6 +111,12 @@ class Run:
         with np.errstate(all="ignore"):
             _Call(self, np.ones(self.count, bool)).visit(self.library.main(entry).body, variables)
         return variables
+
+    def result(self, name: str, arguments: Sequence, here: np.ndarray):
+        """Return what a function returns for the pixels `here`, (count,) bool."""
+        function, call = self.library.function(name), _Call(self, here, name)
+        call.visit(function.body, dict(zip(function.parameters, arguments, strict=True)))
+        return call.result
 
 
 @dataclass
@@ -247,7 +269,7 @@ class _Call:
         """
         places, count = np.flatnonzero(self.here), len(self.here)
         given = {name: picked(number, places, count) for name, number in self.run.given.items()}
-        run = Run(self.run.library, given, self.run.textures, self.run.line, len(places))
+        run = Run(self.run.library, given, self.run.textures, len(places))
         few = _Call(run, np.ones(len(places), bool), self.name)
         if self.loop:
             few.loop = _Loop(self.loop.value[places])
@@ -347,18 +369,14 @@ class _Call:
         if name in SET_UP:
             return None
         arguments = [self.value(argument, variables) for argument in node.args.exprs] if node.args else []
+        if name == IS_NAN:
+            return False
         if name in FETCHES:
             return getattr(self.run.textures[arguments[0]], FETCHES[name])(*arguments[1:])
         if name == "BokehRotated" and all(isinstance(argument, Interval) for argument in arguments):
             return _rotated(*arguments)
-        if name in ("sin", "cos"):
-            function, angle = getattr(np, name), arguments[0]
-            if not isinstance(angle, Interval):
-                return float(function(angle))
-            value, error = function(angle.value), angle.error + self.run.line
-            return Interval(value, value - error, value + error)
+        if name in OWN:
+            return OWN[name](*arguments)
         if name in FUNCTIONS:
             return FUNCTIONS[name](*arguments)
-        function, call = self.run.library.function(name), _Call(self.run, self.here, name)
-        call.visit(function.body, dict(zip(function.parameters, arguments, strict=True)))
-        return call.result
+        return self.run.result(name, arguments, self.here)

@@ -46,8 +46,7 @@ LENSES = {
 
 
 # Fraction of a shot's pixels that are within 4 half-float steps of the reference. It was chosen, not derived: the rest
-# are pixels beside lights, where a filter weight of another rounding shows. Rotated shots are only held to their
-# interval, which includes the errors of the device's sine and cosine: they move the samples of every line a little.
+# are pixels beside lights, where a filter weight of another rounding shows.
 CLOSE = 0.998
 
 
@@ -56,7 +55,7 @@ def check_shots(capture):
     wrong = {
         shot.name: f"{shot.comparison}, {shot.outside}"
         for shot in capture.shots
-        if shot.comparison.outside or (shot.comparison.close < CLOSE and not shot.case.settings.rotation)
+        if shot.comparison.outside or shot.comparison.close < CLOSE
     }
     assert capture.shots and not wrong, wrong
 

@@ -70,7 +70,7 @@ def check_spread(driver: Driver, settings: Settings, size: tuple[int, int]) -> m
     case, center = highlight(settings, size)
     actual, reference = moments.measured(float_result(driver, case)[..., 1], center), moments.predicted(settings, size)
     passes = len(methods.plan(settings, size).passes) - 1
-    slack = passes * (1.0 + driver.precision.place(max(size)) + driver.precision.line * settings.coc * size[1])
+    slack = passes * (1.0 + driver.precision.place(max(size)) + precision.SINE * settings.coc * size[1])
     excess_reach = actual.reach - reference.reach
     assert (excess_reach > -1.0).all() and (excess_reach <= slack).all(), (named(settings), size, excess_reach)
     bound = moments.tolerance(settings, size, driver.precision)

@@ -5,13 +5,13 @@ import numpy as np
 import pytest
 from support_cases import noise_case
 
-from bokeh_validation import metrics, paths
+from bokeh_validation import metrics, paths, shaders
 from bokeh_validation.frame import aperture_shapes, geometry, methods
 from bokeh_validation.numerics import precision
 from bokeh_validation.numerics.images import Image
 from bokeh_validation.probes import cases, coverage_frames
 from bokeh_validation.probes.cases import SWEEPS
-from bokeh_validation.reference import execution, kept, listings, pass_images
+from bokeh_validation.reference import execution, glsl, interpreter, kept, listings, pass_images
 from bokeh_validation.reference.intervals import Interval
 from bokeh_validation.shaders.passes import target_size
 
@@ -25,6 +25,14 @@ def test_circle_of_confusion_by_similar_triangles():
     diameter = aperture * np.abs(image - plane) / image
     got = listings.circle_of_confusion(depth, aperture, focal, focus, sensor, 10.0)
     np.testing.assert_allclose(got, diameter / sensor, rtol=1e-12, atol=1e-15)
+
+
+def test_sines():
+    """Check that the polynomial of the sines is exact to a tenth of precision.SINE, two turns either way."""
+    angles = np.linspace(-4.0 * np.pi, 4.0 * np.pi, 1000).reshape(4, -1)
+    run = interpreter.Run(glsl.library(shaders.text("glsl")), {}, {}, angles.shape[1])
+    sines = run.result("BokehSines", [Interval(angles)], np.ones(angles.shape[1], bool))
+    assert np.abs(sines.value - np.sin(angles)).max() < precision.SINE / 10
 
 
 def test_leakage_weight():
