@@ -13,7 +13,7 @@ export function addBokeh(camera, options) {
   return bokeh;
 }
 
-// Adds tone mapping and sRGB as the last step. The scene itself is then drawn in linear colours, also above 1
+// Adds tone mapping and sRGB as the last step. The scene is then drawn in linear colours, which may be brighter than 1
 function addTone(camera) {
   const { imageProcessingConfiguration: tone } = camera.getScene();
   tone.toneMappingEnabled = true;
@@ -27,7 +27,7 @@ export function start(engine) {
   const { scene, camera, subject } = makeScene(engine);
   const sample = { engine, scene, camera, subject, bokeh: addBokeh(camera), tone: addTone(camera) };
   sample.bokeh.focusOn(subject.position);
-  sample.aims = [sample.bokeh.uniforms.focusDistance]; // metres; autofocus takes the nearest
+  sample.aims = [sample.bokeh.uniforms.focusDistance]; // metres; the nearest gets into focus, and a click replaces them
   engine.runRenderLoop(() => {
     sample.bokeh.pullFocus(engine.getDeltaTime() / 1000, sample.aims);
     scene.render();

@@ -1,7 +1,7 @@
 // The sample for WebGL 2 and WebGPU. The attribute data-device of the page's canvas selects one of them.
 
 import { AppBase, AppOptions, CameraComponentSystem, createGraphicsDevice } from 'playcanvas';
-import { LightComponentSystem, Picker, RenderComponentSystem, TONEMAP_ACES } from 'playcanvas';
+import { LightComponentSystem, RenderComponentSystem, TONEMAP_ACES } from 'playcanvas';
 import { PolygonBokehFrame } from 'polygonal-bokeh/playcanvas';
 import { makeScene } from './scene.js'; // replace it with your own scene
 
@@ -28,6 +28,7 @@ export const frame = addBokeh(app, camera);
 frame.focusOn(subject.getPosition());
 app.renderNextFrame = true;
 
+import { Picker } from 'playcanvas';
 const picker = new Picker(app, canvas.width, canvas.height, true);
 
 // Returns the depths under points of the view, and Infinity where there is no object. The points go from (0, 0) at the

@@ -15,10 +15,14 @@ RUN_S = 300.0  # seconds; it takes 10 to 30 on two cores
 
 def run(name: str, folder: Path) -> None:
     """Run the sample, which writes its capture to `folder`. Raises errors.Unavailable, RuntimeError."""
-    icd = lavapipe.description()
     cargo.build(NAME, cargo.copied(NAME), "--example", EXAMPLE)
-    extra = {"VK_ICD_FILENAMES": str(icd), "BEVY_ASSET_ROOT": str(folder)}
-    process.run([cargo.program(NAME, EXAMPLE), folder], RUN_S, folder, extra)
+    capture(cargo.program(NAME, EXAMPLE), folder)
+
+
+def capture(program: Path, folder: Path) -> None:
+    """Run a built sample, which writes its capture to `folder`. Raises errors.Unavailable, RuntimeError."""
+    extra = {"VK_ICD_FILENAMES": str(lavapipe.description()), "BEVY_ASSET_ROOT": str(folder)}
+    process.run([program, folder], RUN_S, folder, extra)
 
 
 def built() -> bool:

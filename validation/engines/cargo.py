@@ -41,9 +41,9 @@ def build(
     )
 
 
-def program(name: str, example: str) -> Path:
-    """Return the path of a crate's built example."""
-    return _home(name) / "target/debug/examples" / example
+def program(name: str, example: str, folder: str = "examples") -> Path:
+    """Return the path of a crate's built example, or with the folder "." of a program of the same name."""
+    return _home(name) / "target/debug" / folder / example
 
 
 def copied(name: str) -> Path:

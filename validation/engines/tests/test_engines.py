@@ -180,7 +180,9 @@ bokeh-bevy = {{ {} = "{}" }}
 @pytest.mark.timeout(4000)
 @pytest.mark.parametrize("way", ["path", "git"])
 def test_bevy_dependency(way, request):
-    """Build an empty project with the guide's program and a copy of the crate's folder alone."""
+    """Build an empty project with the guide's program and a copy of the crate's folder alone. In the same project, the
+    sample's capture must be within the reference's intervals.
+    """
     if not request.config.getoption("--all"):
         pytest.skip("--all builds it")
     with needed("bevy"):
@@ -198,7 +200,11 @@ def test_bevy_dependency(way, request):
         for lock in crate.glob("Cargo.lock"):
             shutil.copyfile(lock, project / "Cargo.lock")
         (project / "Cargo.toml").write_text(MANIFEST.format(way, place), encoding="utf-8")
+        shutil.copytree(crate / "examples" / bevy.EXAMPLE, project / "src/bin" / bevy.EXAMPLE)
         cargo.build(bevy.NAME, project)
+        folder = paths.ensured(project / "capture")
+        bevy.capture(cargo.program(bevy.NAME, bevy.EXAMPLE, folder="."), folder)
+        check_shots(engines.read(folder))
 
 
 @of_sample(wgpu.NAME, of_code=True)

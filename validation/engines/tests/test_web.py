@@ -46,24 +46,26 @@ def test_by_node(project, file):
     assert_passes(project, file)
 
 
-def test_installed(tmp_path):
-    """Install the packed package into a copy of three.js's sample, which then imports it from node_modules, and check
-    that the sample's results are within the reference's intervals.
+@pytest.mark.parametrize("name", pages.NAMES)
+def test_installed(name, tmp_path):
+    """Install the packed package into a copy of a sample, which then imports it from node_modules, and check that the
+    sample's results are within the reference's intervals.
     """
+    engine = name.partition("-")[0]
     local = shutil.ignore_patterns("node_modules")
-    sample = shutil.copytree(SAMPLES[0], tmp_path / "integration/threejs", ignore=local)
+    sample = shutil.copytree(paths.ROOT / "integration" / engine, tmp_path / "integration" / engine, ignore=local)
     shared = paths.ensured(tmp_path / "integration/web/test")
     shutil.copy(WEB / "test/captures.js", shared)
-    with needed("threejs-webgl"):
+    with needed(name):
         pages.call_npm(tmp_path, "pack", WEB)
         (archive,) = tmp_path.glob("polygonal-bokeh-*.tgz")
         pages.call_npm(sample, "install", archive)
-        page = sample / "webgl.html"
-        text = page.read_text(encoding="utf-8")
-        assert text.count("../web/") == 1
-        page.write_text(text.replace("../web/", "./node_modules/polygonal-bokeh/"), encoding="utf-8")
+        for page in sample.glob("*.html"):
+            text = page.read_text(encoding="utf-8")
+            assert text.count("../web/") == 1
+            page.write_text(text.replace("../web/", "./node_modules/polygonal-bokeh/"), encoding="utf-8")
         folder = paths.ensured(tmp_path / "capture")
-        pages.run("threejs-webgl", folder, tmp_path)
+        pages.run(name, folder, tmp_path)
     check_shots(engines.read(folder))
 
 
