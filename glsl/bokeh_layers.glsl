@@ -1020,6 +1020,7 @@ vec4 BokehLayerSamples(BOKEH_TEXTURE tex, vec2 first, vec2 sampleStep, float sam
 
 // Layers: averages the samples along edge k, and in the second pass multiplies the mean by the area
 //   of the edge's parallelograms
+//   0.999999 keeps rounding from darkening an even layer, see BokehResolved.
 //   tex           the layer, or a strip
 //   QuarterSamp   the layer at quarter size, read if useQuarterLayer of blur is true
 //   blur          from BokehLayerBlur
@@ -1048,7 +1049,7 @@ vec4 BokehLayerLine(BOKEH_TEXTURE tex, BOKEH_TEXTURE QuarterSamp, int k, BokehPo
     {
         sum = BokehLayerSamples(tex, first, sampleStep, samples, phase, grid);
     }
-    sum = sum / samples;
+    sum = sum / (0.999999 * samples);
     if (secondPass)
     {
         sum *= BokehEdgeArea(k, polygon);
@@ -1687,8 +1688,9 @@ vec4 BokehComposite(BOKEH_TEXTURE MapSamp, BOKEH_TEXTURE GatherTilesSamp, BOKEH_
             // the weight of samples in front is their coverage; the rest shows through the gaps
             float rest = plain.a - front.a;
             float open = clamp(1.0 - front.a, 0.0, 1.0) / max(rest, 0.1);
-            result = (front.rgb + (plain.rgb - front.rgb) * open) / (front.a + rest *
-                open);
+            // 0.999999: see BokehResolved
+            result = (front.rgb + (plain.rgb - front.rgb) * open) / (0.999999 * (front.a + rest *
+                open));
         }
         outline *= clamp(4.0 * farLayer.a, 0.0, 1.0);
         if (BOKEH_LAYER_OUTLINES > 0 && outline > 0.0)

@@ -380,8 +380,8 @@ return samples;
 vec4 BokehResolved(vec4 sum, vec4 centerPixel)
 {
 float missing = max(BOKEH_TUNED_LEAST_WEIGHT - sum.a, 0.0);
-return vec4((sum.rgb + centerPixel.rgb * missing) / max(sum.a, BOKEH_TUNED_LEAST_WEIGHT),
-centerPixel.a);
+return vec4((sum.rgb + centerPixel.rgb * missing) / (0.999999 * max(sum.a,
+BOKEH_TUNED_LEAST_WEIGHT)), centerPixel.a);
 }
 struct BokehPolygon
 {
@@ -1568,7 +1568,7 @@ else
 {
 sum = BokehLayerSamples(tex, first, sampleStep, samples, phase, grid);
 }
-sum = sum / samples;
+sum = sum / (0.999999 * samples);
 if (secondPass)
 {
 sum *= BokehEdgeArea(k, polygon);
@@ -2039,8 +2039,8 @@ if (plain.a >= 0.001)
 {
 float rest = plain.a - front.a;
 float open = clamp(1.0 - front.a, 0.0, 1.0) / max(rest, 0.1);
-result = (front.rgb + (plain.rgb - front.rgb) * open) / (front.a + rest *
-open);
+result = (front.rgb + (plain.rgb - front.rgb) * open) / (0.999999 * (front.a + rest *
+open));
 }
 outline *= clamp(4.0 * farLayer.a, 0.0, 1.0);
 if (BOKEH_LAYER_OUTLINES > 0 && outline > 0.0)

@@ -296,8 +296,8 @@ return samples;
 fn BokehResolved(sum: vec4f, centerPixel: vec4f) -> vec4f
 {
 let missing: f32 = max(BOKEH_TUNED_LEAST_WEIGHT - sum.a, 0.0);
-return vec4f((sum.rgb + centerPixel.rgb * missing) / max(sum.a, BOKEH_TUNED_LEAST_WEIGHT),
-centerPixel.a);
+return vec4f((sum.rgb + centerPixel.rgb * missing) / (0.999999 * max(sum.a,
+BOKEH_TUNED_LEAST_WEIGHT)), centerPixel.a);
 }
 struct BokehPolygon
 {
@@ -1479,7 +1479,7 @@ else
 {
 sum = BokehLayerSamples(tex, first, sampleStep, samples, phase, grid, BokehLinearClamp);
 }
-sum = sum / samples;
+sum = sum / (0.999999 * samples);
 if (secondPass)
 {
 sum *= BokehEdgeArea(k, polygon);
@@ -1981,8 +1981,8 @@ if (plain.a >= 0.001)
 {
 let rest: f32 = plain.a - front.a;
 let open: f32 = clamp(1.0 - front.a, 0.0, 1.0) / max(rest, 0.1);
-result = (front.rgb + (plain.rgb - front.rgb) * open) / (front.a + rest *
-open);
+result = (front.rgb + (plain.rgb - front.rgb) * open) / (0.999999 * (front.a + rest *
+open));
 }
 outline *= clamp(4.0 * farLayer.a, 0.0, 1.0);
 if (BOKEH_LAYER_OUTLINES > 0 && outline > 0.0)
