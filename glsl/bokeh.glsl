@@ -301,21 +301,29 @@ bool BokehIsNaN(float value)
 //   The sin of a GPU may be wrong by 0.0005 (Vulkan and WebGPU allow that), which moves samples in
 //   a wide blur, so GPUs would draw different pictures. These sines are exact to 0.000001 for
 //   angles up to a turn: a triangle wave, bent by a polynomial.
-//   angles        radians
-vec4 BokehSines(vec4 angles)
+//   turns         angles, 1 is a full turn
+vec4 BokehSinesOfTurns(vec4 turns)
 {
-    vec4 wave = angles * 0.159154943 + 0.25;
+    vec4 wave = turns + 0.25;
     wave = 4.0 * abs(wave - floor(wave + 0.46)) - 1.0;
     vec4 square = wave * wave;
     return wave * (1.57079615 - square * (0.645961552 - square * (0.079682161 - square *
         (0.00466415239 - square * 0.000147407686))));
 }
 
-// Porting: returns cos and sin of an angle, see BokehSines
+// Porting: returns the sines of four angles, see BokehSinesOfTurns
+//   angles        radians
+vec4 BokehSines(vec4 angles)
+{
+    return BokehSinesOfTurns(angles * 0.159154943);
+}
+
+// Porting: returns cos and sin of an angle, see BokehSinesOfTurns
 //   angle         radians
 vec2 BokehCosSin(float angle)
 {
-    return BokehSines(vec4(angle + 1.57079633, angle, 0.0, 0.0)).xy;
+    float turns = angle * 0.159154943;
+    return BokehSinesOfTurns(vec4(turns + 0.25, turns, 0.0, 0.0)).xy;
 }
 
 // where the image lies in its textures, in texture uv: corner and size; the bounds of fetches

@@ -330,30 +330,38 @@ bool BokehIsNaN(float value)
 // Porting: returns the sines of four angles
 //   The sin of a GPU may be wrong by 0.0005 (Vulkan and WebGPU allow that), which moves samples in
 //   a wide blur, so GPUs would draw different pictures. These sines are exact to 0.000001 for
-//   angles up to a turn: a triangle wave, bent by a polynomial. Shader model 3 has no room for
-//   it.
+//   angles up to a turn: a triangle wave, bent by a polynomial.
+//   turns         angles, 1 is a full turn
+float4 BokehSinesOfTurns(float4 turns)
+{
+    float4 wave = turns + 0.25;
+    wave = 4.0 * abs(wave - floor(wave + 0.46)) - 1.0;
+    float4 square = wave * wave;
+    return wave * (1.57079615 - square * (0.645961552 - square * (0.079682161 - square *
+        (0.00466415239 - square * 0.000147407686))));
+}
+
+// Porting: returns the sines of four angles, see BokehSinesOfTurns
+//   Shader model 3 has no room for that function.
 //   angles        radians
 float4 BokehSines(float4 angles)
 {
 #if BOKEH_HLSL_SM == 3
     return sin(angles);
 #else
-    float4 wave = angles * 0.159154943 + 0.25;
-    wave = 4.0 * abs(wave - floor(wave + 0.46)) - 1.0;
-    float4 square = wave * wave;
-    return wave * (1.57079615 - square * (0.645961552 - square * (0.079682161 - square *
-        (0.00466415239 - square * 0.000147407686))));
+    return BokehSinesOfTurns(angles * 0.159154943);
 #endif
 }
 
-// Porting: returns cos and sin of an angle, see BokehSines
+// Porting: returns cos and sin of an angle, see BokehSinesOfTurns
 //   angle         radians
 float2 BokehCosSin(float angle)
 {
 #if BOKEH_HLSL_SM == 3
     return float2(cos(angle), sin(angle));
 #else
-    return BokehSines(float4(angle + 1.57079633, angle, 0.0, 0.0)).xy;
+    float turns = angle * 0.159154943;
+    return BokehSinesOfTurns(float4(turns + 0.25, turns, 0.0, 0.0)).xy;
 #endif
 }
 

@@ -203,21 +203,29 @@ fn BokehIsNaN(value: f32) -> bool
 //   The sin of a GPU may be wrong by 0.0005 (Vulkan and WebGPU allow that), which moves samples in
 //   a wide blur, so GPUs would draw different pictures. These sines are exact to 0.000001 for
 //   angles up to a turn: a triangle wave, bent by a polynomial.
-//   angles        radians
-fn BokehSines(angles: vec4f) -> vec4f
+//   turns         angles, 1 is a full turn
+fn BokehSinesOfTurns(turns: vec4f) -> vec4f
 {
-    var wave: vec4f = angles * 0.159154943 + 0.25;
+    var wave: vec4f = turns + 0.25;
     wave = 4.0 * abs(wave - floor(wave + 0.46)) - 1.0;
     let square: vec4f = wave * wave;
     return wave * (1.57079615 - square * (0.645961552 - square * (0.079682161 - square *
         (0.00466415239 - square * 0.000147407686))));
 }
 
-// Porting: returns cos and sin of an angle, see BokehSines
+// Porting: returns the sines of four angles, see BokehSinesOfTurns
+//   angles        radians
+fn BokehSines(angles: vec4f) -> vec4f
+{
+    return BokehSinesOfTurns(angles * 0.159154943);
+}
+
+// Porting: returns cos and sin of an angle, see BokehSinesOfTurns
 //   angle         radians
 fn BokehCosSin(angle: f32) -> vec2f
 {
-    return BokehSines(vec4f(angle + 1.57079633, angle, 0.0, 0.0)).xy;
+    let turns: f32 = angle * 0.159154943;
+    return BokehSinesOfTurns(vec4f(turns + 0.25, turns, 0.0, 0.0)).xy;
 }
 
 // where the image lies in its textures, in texture uv: corner and size; the bounds of fetches

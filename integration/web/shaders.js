@@ -91,13 +91,16 @@ return texelFetch(tex,min(texel,size-ivec2(1,1)),0).rg;}
 #endif
 bool BokehIsNaN(float value){
 return (floatBitsToUint(value) & 0x7fffffffu)>0x7f800000u;}
-vec4 BokehSines(vec4 angles){
-vec4 wave=angles*.159154943+.25;
+vec4 BokehSinesOfTurns(vec4 turns){
+vec4 wave=turns+.25;
 wave=4.*abs(wave-floor(wave+.46))-1.;
 vec4 square=wave*wave;
 return wave*(1.57079615-square*(.645961552-square*(.079682161-square*(.00466415239-square*.000147407686))));}
+vec4 BokehSines(vec4 angles){
+return BokehSinesOfTurns(angles*.159154943);}
 vec2 BokehCosSin(float angle){
-return BokehSines(vec4(angle+1.57079633,angle,0.,0.)).xy;}
+float turns=angle*.159154943;
+return BokehSinesOfTurns(vec4(turns+.25,turns,0.,0.)).xy;}
 vec2 BokehToTexture(vec2 uv){
 vec2 coords=uv;
 return coords;}
@@ -1458,13 +1461,16 @@ let texel=vec2i(saturate(coords)*vec2f(size));
 return vec4f(textureLoad(tex,min(texel,size-vec2i(1,1)),0)).rg;}
 fn BokehIsNaN(value:f32)->bool{
 return (bitcast<u32>(value) & 0x7fffffffu)>0x7f800000u;}
-fn BokehSines(angles:vec4f)->vec4f{
-var wave=angles*.159154943+.25;
+fn BokehSinesOfTurns(turns:vec4f)->vec4f{
+var wave=turns+.25;
 wave=4.*abs(wave-floor(wave+.46))-1.;
 let square=wave*wave;
 return wave*(1.57079615-square*(.645961552-square*(.079682161-square*(.00466415239-square*.000147407686))));}
+fn BokehSines(angles:vec4f)->vec4f{
+return BokehSinesOfTurns(angles*.159154943);}
 fn BokehCosSin(angle:f32)->vec2f{
-return BokehSines(vec4f(angle+1.57079633,angle,0.,0.)).xy;}
+let turns=angle*.159154943;
+return BokehSinesOfTurns(vec4f(turns+.25,turns,0.,0.)).xy;}
 fn BokehToTexture(uv:vec2f)->vec2f{
 var coords=uv;
 return coords;}

@@ -42,17 +42,22 @@ fn BokehIsNaN(value: f32) -> bool
 {
 return (bitcast<u32>(value) & 0x7fffffffu) > 0x7f800000u;
 }
-fn BokehSines(angles: vec4f) -> vec4f
+fn BokehSinesOfTurns(turns: vec4f) -> vec4f
 {
-var wave: vec4f = angles * 0.159154943 + 0.25;
+var wave: vec4f = turns + 0.25;
 wave = 4.0 * abs(wave - floor(wave + 0.46)) - 1.0;
 let square: vec4f = wave * wave;
 return wave * (1.57079615 - square * (0.645961552 - square * (0.079682161 - square *
 (0.00466415239 - square * 0.000147407686))));
 }
+fn BokehSines(angles: vec4f) -> vec4f
+{
+return BokehSinesOfTurns(angles * 0.159154943);
+}
 fn BokehCosSin(angle: f32) -> vec2f
 {
-return BokehSines(vec4f(angle + 1.57079633, angle, 0.0, 0.0)).xy;
+let turns: f32 = angle * 0.159154943;
+return BokehSinesOfTurns(vec4f(turns + 0.25, turns, 0.0, 0.0)).xy;
 }
 var<private> BokehViewport: vec4f = vec4f(0.0, 0.0, 1.0, 1.0);
 var<private> BokehViewportBounds: vec4f = vec4f(0.0, 0.0, 1.0, 1.0);

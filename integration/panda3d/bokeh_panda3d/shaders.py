@@ -127,17 +127,22 @@ bool BokehIsNaN(float value)
 {
 return (floatBitsToUint(value) & 0x7fffffffu) > 0x7f800000u;
 }
-vec4 BokehSines(vec4 angles)
+vec4 BokehSinesOfTurns(vec4 turns)
 {
-vec4 wave = angles * 0.159154943 + 0.25;
+vec4 wave = turns + 0.25;
 wave = 4.0 * abs(wave - floor(wave + 0.46)) - 1.0;
 vec4 square = wave * wave;
 return wave * (1.57079615 - square * (0.645961552 - square * (0.079682161 - square *
 (0.00466415239 - square * 0.000147407686))));
 }
+vec4 BokehSines(vec4 angles)
+{
+return BokehSinesOfTurns(angles * 0.159154943);
+}
 vec2 BokehCosSin(float angle)
 {
-return BokehSines(vec4(angle + 1.57079633, angle, 0.0, 0.0)).xy;
+float turns = angle * 0.159154943;
+return BokehSinesOfTurns(vec4(turns + 0.25, turns, 0.0, 0.0)).xy;
 }
 vec4 BokehViewport = vec4(0.0, 0.0, 1.0, 1.0);
 vec4 BokehViewportBounds = vec4(0.0, 0.0, 1.0, 1.0);
