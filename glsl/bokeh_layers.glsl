@@ -1020,7 +1020,7 @@ vec4 BokehLayerSamples(BOKEH_TEXTURE tex, vec2 first, vec2 sampleStep, float sam
 
 // Layers: averages the samples along edge k, and in the second pass multiplies the mean by the area
 //   of the edge's parallelograms
-//   0.999999 keeps rounding from darkening an even layer, see BokehResolved.
+//   1.000001 keeps rounding from darkening an even layer, see BokehResolved.
 //   tex           the layer, or a strip
 //   QuarterSamp   the layer at quarter size, read if useQuarterLayer of blur is true
 //   blur          from BokehLayerBlur
@@ -1049,7 +1049,7 @@ vec4 BokehLayerLine(BOKEH_TEXTURE tex, BOKEH_TEXTURE QuarterSamp, int k, BokehPo
     {
         sum = BokehLayerSamples(tex, first, sampleStep, samples, phase, grid);
     }
-    sum = sum / (0.999999 * samples);
+    sum *= 1.000001 / samples;
     if (secondPass)
     {
         sum *= BokehEdgeArea(k, polygon);
@@ -1688,8 +1688,8 @@ vec4 BokehComposite(BOKEH_TEXTURE MapSamp, BOKEH_TEXTURE GatherTilesSamp, BOKEH_
             // the weight of samples in front is their coverage; the rest shows through the gaps
             float rest = plain.a - front.a;
             float open = clamp(1.0 - front.a, 0.0, 1.0) / max(rest, 0.1);
-            // 0.999999: see BokehResolved
-            result = (front.rgb + (plain.rgb - front.rgb) * open) / (0.999999 * (front.a + rest *
+            // 1.000001: see BokehResolved
+            result = (front.rgb + (plain.rgb - front.rgb) * open) * (1.000001 / (front.a + rest *
                 open));
         }
         outline *= clamp(4.0 * farLayer.a, 0.0, 1.0);

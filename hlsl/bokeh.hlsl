@@ -751,15 +751,15 @@ float BokehSampleCount(float lengthInPixels, float spacing)
 // Lines: divides a weighted sum by its weight; what a small weight lacks, centerPixel supplies
 //   Without that, rounding would decide the colour of a pixel between sharp objects: the only
 //   sample with a weight could have one of 0.000001.
-//   0.999999 keeps rounding from darkening an even colour, because a driver that truncates would
+//   1.000001 keeps rounding from darkening an even colour, because a driver that truncates would
 //   then store the next smaller half float.
 //   sum           rgb = colour times weight, a = weight
 //   returns       rgb = colour, a = CoC of centerPixel
 float4 BokehResolved(float4 sum, float4 centerPixel)
 {
     float missing = max(BOKEH_TUNED_LEAST_WEIGHT - sum.a, 0.0);
-    return float4((sum.rgb + centerPixel.rgb * missing) / (0.999999 * max(sum.a,
-        BOKEH_TUNED_LEAST_WEIGHT)), centerPixel.a);
+    return float4((sum.rgb * 1.000001 + centerPixel.rgb * missing) / max(sum.a,
+        BOKEH_TUNED_LEAST_WEIGHT), centerPixel.a);
 }
 
 // -------------------------------------------------------------------------------------------------

@@ -993,7 +993,7 @@ fn BokehLayerSamples(tex: texture_2d<f32>, first: vec2f, sampleStep: vec2f, samp
 
 // Layers: averages the samples along edge k, and in the second pass multiplies the mean by the area
 //   of the edge's parallelograms
-//   0.999999 keeps rounding from darkening an even layer, see BokehResolved.
+//   1.000001 keeps rounding from darkening an even layer, see BokehResolved.
 //   tex           the layer, or a strip
 //   QuarterSamp   the layer at quarter size, read if useQuarterLayer of blur is true
 //   blur          from BokehLayerBlur
@@ -1024,7 +1024,7 @@ fn BokehLayerLine(tex: texture_2d<f32>, QuarterSamp: texture_2d<f32>, k: i32, po
     {
         sum = BokehLayerSamples(tex, first, sampleStep, samples, phase, grid, BokehLinearClamp);
     }
-    sum = sum / (0.999999 * samples);
+    sum *= 1.000001 / samples;
     if (secondPass)
     {
         sum *= BokehEdgeArea(k, polygon);
@@ -1694,8 +1694,8 @@ fn BokehComposite(MapSamp: texture_2d<f32>, GatherTilesSamp: texture_2d<f32>,
             // the weight of samples in front is their coverage; the rest shows through the gaps
             let rest: f32 = plain.a - front.a;
             let open: f32 = clamp(1.0 - front.a, 0.0, 1.0) / max(rest, 0.1);
-            // 0.999999: see BokehResolved
-            result = (front.rgb + (plain.rgb - front.rgb) * open) / (0.999999 * (front.a + rest *
+            // 1.000001: see BokehResolved
+            result = (front.rgb + (plain.rgb - front.rgb) * open) * (1.000001 / (front.a + rest *
                 open));
         }
         outline *= clamp(4.0 * farLayer.a, 0.0, 1.0);

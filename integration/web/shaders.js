@@ -240,7 +240,7 @@ samples=clamp(lengthInPixels/spacing,1.,float(BOKEH_NUM_SAMPLES));}
 return samples;}
 vec4 BokehResolved(vec4 sum,vec4 centerPixel){
 float missing=max(.0625-sum.a,0.);
-return vec4((sum.rgb+centerPixel.rgb*missing)/(.999999*max(sum.a,.0625)),centerPixel.a);}
+return vec4((sum.rgb*1.000001+centerPixel.rgb*missing)/max(sum.a,.0625),centerPixel.a);}
 struct BokehPolygon{
 int sides;
 vec2 axis;
@@ -997,7 +997,7 @@ if(blur.useQuarterLayer){
 sum=BokehLayerSamples(QuarterSamp,first,sampleStep,samples,phase,grid);}
 else{
 sum=BokehLayerSamples(tex,first,sampleStep,samples,phase,grid);}
-sum=sum/(.999999*samples);
+sum*=1.000001/samples;
 if(secondPass){
 sum*=BokehEdgeArea(k,polygon);}
 return sum;}
@@ -1316,7 +1316,7 @@ vec4 front=vec4(gather.front);
 if(plain.a>=.001){
 float rest=plain.a-front.a;
 float open=clamp(1.-front.a,0.,1.)/max(rest,.1);
-result=(front.rgb+(plain.rgb-front.rgb)*open)/(.999999*(front.a+rest*open));}
+result=(front.rgb+(plain.rgb-front.rgb)*open)*(1.000001/(front.a+rest*open));}
 outline*=clamp(4.*farLayer.a,0.,1.);
 if(BOKEH_LAYER_OUTLINES>0&&outline>0.){
 vec3 change=BokehOutline(MapSamp,center,centerPixel,farColor,gather.slopes.y,layers);
@@ -1599,7 +1599,7 @@ samples=clamp(lengthInPixels/spacing,1.,f32(BOKEH_NUM_SAMPLES));}
 return samples;}
 fn BokehResolved(sum:vec4f,centerPixel:vec4f)->vec4f{
 let missing=max(.0625-sum.a,0.);
-return vec4f((sum.rgb+centerPixel.rgb*missing)/(.999999*max(sum.a,.0625)),centerPixel.a);}
+return vec4f((sum.rgb*1.000001+centerPixel.rgb*missing)/max(sum.a,.0625),centerPixel.a);}
 struct BokehPolygon{
 sides:i32,axis:vec2f,squeeze:f32,lengths:vec4f,fifth:f32,corner:vec2f,mean:vec2f,area:f32,}
 struct BokehTargets{
@@ -2257,7 +2257,7 @@ if(blur.useQuarterLayer){
 sum=BokehLayerSamples(QuarterSamp,first,sampleStep,samples,phase,grid,BokehLinearClamp);}
 else{
 sum=BokehLayerSamples(tex,first,sampleStep,samples,phase,grid,BokehLinearClamp);}
-sum=sum/(.999999*samples);
+sum*=1.000001/samples;
 if(secondPass){
 sum*=BokehEdgeArea(k,polygon);}
 return sum;}
@@ -2551,7 +2551,7 @@ let front=vec4f(gather.front);
 if(plain.a>=.001){
 let rest=plain.a-front.a;
 let open=clamp(1.-front.a,0.,1.)/max(rest,.1);
-result=(front.rgb+(plain.rgb-front.rgb)*open)/(.999999*(front.a+rest*open));}
+result=(front.rgb+(plain.rgb-front.rgb)*open)*(1.000001/(front.a+rest*open));}
 outline*=clamp(4.*farLayer.a,0.,1.);
 if(BOKEH_LAYER_OUTLINES>0&&outline>0.){
 let change=BokehOutline(MapSamp,center,centerPixel,farColor,gather.slopes.y,layers,BokehLinearClamp);

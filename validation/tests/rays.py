@@ -19,7 +19,8 @@ MOST_DENSITY, SHARP = 4.0, 0.5
 FADE = (0.2, 0.5)
 # Below this weight, the pixel itself supplies the rest
 LEAST_WEIGHT = 0.0625
-UNDIMMED = 0.999999
+# A little above 1, so that rounding does not darken an even colour
+UNDIMMED = 1.000001
 # A little above 1, so that rounding does not change a constant CoC
 HANDED_ON = 1.001
 
@@ -110,8 +111,8 @@ def target(lines: Sequence[tuple[Gathered, float | np.ndarray]], center: np.ndar
         line_reached = (line.reached * brightness).sum(axis=0) - removed.sum(axis=-1)
         reached = reached + share * line_reached
     missing = np.maximum(LEAST_WEIGHT - total, 0.0)
-    weight = UNDIMMED * np.maximum(total, LEAST_WEIGHT)
-    mean = (color + center[..., :3] * missing[..., None]) / weight[..., None]
+    unblurred_color = center[..., :3] * missing[..., None]
+    mean = (UNDIMMED * color + unblurred_color) / np.maximum(total, LEAST_WEIGHT)[..., None]
     # the same for the brightness
     unblurred = center[..., :3].sum(axis=-1) * missing
     light = light + unblurred

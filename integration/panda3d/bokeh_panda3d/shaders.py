@@ -385,8 +385,8 @@ return samples;
 vec4 BokehResolved(vec4 sum, vec4 centerPixel)
 {
 float missing = max(BOKEH_TUNED_LEAST_WEIGHT - sum.a, 0.0);
-return vec4((sum.rgb + centerPixel.rgb * missing) / (0.999999 * max(sum.a,
-BOKEH_TUNED_LEAST_WEIGHT)), centerPixel.a);
+return vec4((sum.rgb * 1.000001 + centerPixel.rgb * missing) / max(sum.a,
+BOKEH_TUNED_LEAST_WEIGHT), centerPixel.a);
 }
 struct BokehPolygon
 {
@@ -1573,7 +1573,7 @@ else
 {
 sum = BokehLayerSamples(tex, first, sampleStep, samples, phase, grid);
 }
-sum = sum / (0.999999 * samples);
+sum *= 1.000001 / samples;
 if (secondPass)
 {
 sum *= BokehEdgeArea(k, polygon);
@@ -2044,7 +2044,7 @@ if (plain.a >= 0.001)
 {
 float rest = plain.a - front.a;
 float open = clamp(1.0 - front.a, 0.0, 1.0) / max(rest, 0.1);
-result = (front.rgb + (plain.rgb - front.rgb) * open) / (0.999999 * (front.a + rest *
+result = (front.rgb + (plain.rgb - front.rgb) * open) * (1.000001 / (front.a + rest *
 open));
 }
 outline *= clamp(4.0 * farLayer.a, 0.0, 1.0);

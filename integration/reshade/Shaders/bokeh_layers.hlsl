@@ -1035,7 +1035,7 @@ float4 BokehLayerSamples(BOKEH_TEXTURE tex, float2 first, float2 sampleStep, flo
 
 // Layers: averages the samples along edge k, and in the second pass multiplies the mean by the area
 //   of the edge's parallelograms
-//   0.999999 keeps rounding from darkening an even layer, see BokehResolved.
+//   1.000001 keeps rounding from darkening an even layer, see BokehResolved.
 //   tex           the layer, or a strip
 //   QuarterSamp   the layer at quarter size, read if useQuarterLayer of blur is true
 //   blur          from BokehLayerBlur
@@ -1064,7 +1064,7 @@ float4 BokehLayerLine(BOKEH_TEXTURE tex, BOKEH_TEXTURE QuarterSamp, int k, Bokeh
     {
         sum = BokehLayerSamples(tex, first, sampleStep, samples, phase, grid BOKEH_LINEAR);
     }
-    sum = sum / (0.999999 * samples);
+    sum *= 1.000001 / samples;
     if (secondPass)
     {
         sum *= BokehEdgeArea(k, polygon);
@@ -1718,8 +1718,8 @@ float4 BokehComposite(BOKEH_TEXTURE MapSamp, BOKEH_TEXTURE GatherTilesSamp, BOKE
             // the weight of samples in front is their coverage; the rest shows through the gaps
             float rest = plain.a - front.a;
             float open = clamp(1.0 - front.a, 0.0, 1.0) / max(rest, 0.1);
-            // 0.999999: see BokehResolved
-            result = (front.rgb + (plain.rgb - front.rgb) * open) / (0.999999 * (front.a + rest *
+            // 1.000001: see BokehResolved
+            result = (front.rgb + (plain.rgb - front.rgb) * open) * (1.000001 / (front.a + rest *
                 open));
         }
         outline *= clamp(4.0 * farLayer.a, 0.0, 1.0);

@@ -301,8 +301,8 @@ return samples;
 fn BokehResolved(sum: vec4f, centerPixel: vec4f) -> vec4f
 {
 let missing: f32 = max(BOKEH_TUNED_LEAST_WEIGHT - sum.a, 0.0);
-return vec4f((sum.rgb + centerPixel.rgb * missing) / (0.999999 * max(sum.a,
-BOKEH_TUNED_LEAST_WEIGHT)), centerPixel.a);
+return vec4f((sum.rgb * 1.000001 + centerPixel.rgb * missing) / max(sum.a,
+BOKEH_TUNED_LEAST_WEIGHT), centerPixel.a);
 }
 struct BokehPolygon
 {
@@ -1484,7 +1484,7 @@ else
 {
 sum = BokehLayerSamples(tex, first, sampleStep, samples, phase, grid, BokehLinearClamp);
 }
-sum = sum / (0.999999 * samples);
+sum *= 1.000001 / samples;
 if (secondPass)
 {
 sum *= BokehEdgeArea(k, polygon);
@@ -1986,7 +1986,7 @@ if (plain.a >= 0.001)
 {
 let rest: f32 = plain.a - front.a;
 let open: f32 = clamp(1.0 - front.a, 0.0, 1.0) / max(rest, 0.1);
-result = (front.rgb + (plain.rgb - front.rgb) * open) / (0.999999 * (front.a + rest *
+result = (front.rgb + (plain.rgb - front.rgb) * open) * (1.000001 / (front.a + rest *
 open));
 }
 outline *= clamp(4.0 * farLayer.a, 0.0, 1.0);

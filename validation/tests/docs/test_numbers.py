@@ -112,9 +112,9 @@ VERSION_2 = "measured with version 0.2"
 VERSIONS = "versions of three.js"
 BEFORE = "exact on the random scenes, before squares, octagons and decagons weighted samples by their own CoC"
 EXCEPTIONS = {
-    "README.md": {},
+    "README.md": {"0.036": "the lens of an example"},
     "docs/results.md": {
-        **dict.fromkeys(("0.172", "0.181", "0.233", "0.331", "0.994"), WINTER),
+        **dict.fromkeys(("0.173", "0.181", "0.233", "0.331", "0.994"), WINTER),
         **dict.fromkeys(("0.1390", "0.2671", "0.0415"), VERSION_2),
     },
     "CHANGELOG.md": {
