@@ -302,7 +302,7 @@ bool BokehIsNaN(float value)
 //   a wide blur, so GPUs would draw different pictures. These sines are exact to 0.000001 for
 //   angles up to a turn: a triangle wave, bent by a polynomial.
 //   turns         angles, 1 is a full turn
-vec4 BokehSinesOfTurns(vec4 turns)
+vec4 BokehTurnSines(vec4 turns)
 {
     vec4 wave = turns + 0.25;
     wave = 4.0 * abs(wave - floor(wave + 0.46)) - 1.0;
@@ -311,19 +311,19 @@ vec4 BokehSinesOfTurns(vec4 turns)
         (0.00466415239 - square * 0.000147407686))));
 }
 
-// Porting: returns the sines of four angles, see BokehSinesOfTurns
+// Porting: returns the sines of four angles, see BokehTurnSines
 //   angles        radians
 vec4 BokehSines(vec4 angles)
 {
-    return BokehSinesOfTurns(angles * 0.159154943);
+    return BokehTurnSines(angles * 0.159154943);
 }
 
-// Porting: returns cos and sin of an angle, see BokehSinesOfTurns
+// Porting: returns cos and sin of an angle, see BokehTurnSines
 //   angle         radians
 vec2 BokehCosSin(float angle)
 {
     float turns = angle * 0.159154943;
-    return BokehSinesOfTurns(vec4(turns + 0.25, turns, 0.0, 0.0)).xy;
+    return BokehTurnSines(vec4(turns + 0.25, turns, 0.0, 0.0)).xy;
 }
 
 // where the image lies in its textures, in texture uv: corner and size; the bounds of fetches
@@ -777,16 +777,16 @@ BokehPolygon BokehMakePolygon(int sides, float rotation, float squeeze)
 {
     vec2 halfTurn = BokehCosSin(3.14159265 / float(sides));
     float edge = halfTurn.y;
-    float height = halfTurn.x;
     BokehPolygon polygon;
     polygon.sides = sides;
     polygon.axis = BokehCosSin(rotation);
     polygon.squeeze = squeeze;
     polygon.lengths = vec4(edge, edge, edge, edge);
     polygon.fifth = edge;
-    polygon.corner = vec2(0.5 * height, 0.5 * edge);
-    polygon.mean = vec2(0.0, 0.5 * height * height / (edge * (0.5 * float(sides) - 1.0)));
-    polygon.area = 0.25 * float(sides) * edge * height;
+    polygon.corner = halfTurn * 0.5;
+    polygon.mean = vec2(0.0, 0.5 * halfTurn.x * halfTurn.x / (edge * (0.5 * float(sides) -
+        1.0)));
+    polygon.area = 0.25 * float(sides) * edge * halfTurn.x;
     return polygon;
 }
 

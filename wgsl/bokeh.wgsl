@@ -204,7 +204,7 @@ fn BokehIsNaN(value: f32) -> bool
 //   a wide blur, so GPUs would draw different pictures. These sines are exact to 0.000001 for
 //   angles up to a turn: a triangle wave, bent by a polynomial.
 //   turns         angles, 1 is a full turn
-fn BokehSinesOfTurns(turns: vec4f) -> vec4f
+fn BokehTurnSines(turns: vec4f) -> vec4f
 {
     var wave: vec4f = turns + 0.25;
     wave = 4.0 * abs(wave - floor(wave + 0.46)) - 1.0;
@@ -213,19 +213,19 @@ fn BokehSinesOfTurns(turns: vec4f) -> vec4f
         (0.00466415239 - square * 0.000147407686))));
 }
 
-// Porting: returns the sines of four angles, see BokehSinesOfTurns
+// Porting: returns the sines of four angles, see BokehTurnSines
 //   angles        radians
 fn BokehSines(angles: vec4f) -> vec4f
 {
-    return BokehSinesOfTurns(angles * 0.159154943);
+    return BokehTurnSines(angles * 0.159154943);
 }
 
-// Porting: returns cos and sin of an angle, see BokehSinesOfTurns
+// Porting: returns cos and sin of an angle, see BokehTurnSines
 //   angle         radians
 fn BokehCosSin(angle: f32) -> vec2f
 {
     let turns: f32 = angle * 0.159154943;
-    return BokehSinesOfTurns(vec4f(turns + 0.25, turns, 0.0, 0.0)).xy;
+    return BokehTurnSines(vec4f(turns + 0.25, turns, 0.0, 0.0)).xy;
 }
 
 // where the image lies in its textures, in texture uv: corner and size; the bounds of fetches
@@ -680,16 +680,16 @@ fn BokehMakePolygon(sides: i32, rotation: f32, squeeze: f32) -> BokehPolygon
 {
     let halfTurn: vec2f = BokehCosSin(3.14159265 / f32(sides));
     let edge: f32 = halfTurn.y;
-    let height: f32 = halfTurn.x;
     var polygon: BokehPolygon;
     polygon.sides = sides;
     polygon.axis = BokehCosSin(rotation);
     polygon.squeeze = squeeze;
     polygon.lengths = vec4f(edge, edge, edge, edge);
     polygon.fifth = edge;
-    polygon.corner = vec2f(0.5 * height, 0.5 * edge);
-    polygon.mean = vec2f(0.0, 0.5 * height * height / (edge * (0.5 * f32(sides) - 1.0)));
-    polygon.area = 0.25 * f32(sides) * edge * height;
+    polygon.corner = halfTurn * 0.5;
+    polygon.mean = vec2f(0.0, 0.5 * halfTurn.x * halfTurn.x / (edge * (0.5 * f32(sides) -
+        1.0)));
+    polygon.area = 0.25 * f32(sides) * edge * halfTurn.x;
     return polygon;
 }
 

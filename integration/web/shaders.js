@@ -91,16 +91,16 @@ return texelFetch(tex,min(texel,size-ivec2(1,1)),0).rg;}
 #endif
 bool BokehIsNaN(float value){
 return (floatBitsToUint(value) & 0x7fffffffu)>0x7f800000u;}
-vec4 BokehSinesOfTurns(vec4 turns){
+vec4 BokehTurnSines(vec4 turns){
 vec4 wave=turns+.25;
 wave=4.*abs(wave-floor(wave+.46))-1.;
 vec4 square=wave*wave;
 return wave*(1.57079615-square*(.645961552-square*(.079682161-square*(.00466415239-square*.000147407686))));}
 vec4 BokehSines(vec4 angles){
-return BokehSinesOfTurns(angles*.159154943);}
+return BokehTurnSines(angles*.159154943);}
 vec2 BokehCosSin(float angle){
 float turns=angle*.159154943;
-return BokehSinesOfTurns(vec4(turns+.25,turns,0.,0.)).xy;}
+return BokehTurnSines(vec4(turns+.25,turns,0.,0.)).xy;}
 vec2 BokehToTexture(vec2 uv){
 vec2 coords=uv;
 return coords;}
@@ -260,16 +260,15 @@ vec4 strip5;
 BokehPolygon BokehMakePolygon(int sides,float rotation,float squeeze){
 vec2 halfTurn=BokehCosSin(3.14159265/float(sides));
 float edge=halfTurn.y;
-float height=halfTurn.x;
 BokehPolygon polygon;
 polygon.sides=sides;
 polygon.axis=BokehCosSin(rotation);
 polygon.squeeze=squeeze;
 polygon.lengths=vec4(edge,edge,edge,edge);
 polygon.fifth=edge;
-polygon.corner=vec2(.5*height,.5*edge);
-polygon.mean=vec2(0.,.5*height*height/(edge*(.5*float(sides)-1.)));
-polygon.area=.25*float(sides)*edge*height;
+polygon.corner=halfTurn*.5;
+polygon.mean=vec2(0.,.5*halfTurn.x*halfTurn.x/(edge*(.5*float(sides) -1.)));
+polygon.area=.25*float(sides)*edge*halfTurn.x;
 return polygon;}
 vec2 BokehRotated(vec2 direction,vec2 axis){
 return vec2(direction.x*axis.x-direction.y*axis.y,direction.x*axis.y+direction.y*axis.x);}
@@ -1461,16 +1460,16 @@ let texel=vec2i(saturate(coords)*vec2f(size));
 return vec4f(textureLoad(tex,min(texel,size-vec2i(1,1)),0)).rg;}
 fn BokehIsNaN(value:f32)->bool{
 return (bitcast<u32>(value) & 0x7fffffffu)>0x7f800000u;}
-fn BokehSinesOfTurns(turns:vec4f)->vec4f{
+fn BokehTurnSines(turns:vec4f)->vec4f{
 var wave=turns+.25;
 wave=4.*abs(wave-floor(wave+.46))-1.;
 let square=wave*wave;
 return wave*(1.57079615-square*(.645961552-square*(.079682161-square*(.00466415239-square*.000147407686))));}
 fn BokehSines(angles:vec4f)->vec4f{
-return BokehSinesOfTurns(angles*.159154943);}
+return BokehTurnSines(angles*.159154943);}
 fn BokehCosSin(angle:f32)->vec2f{
 let turns=angle*.159154943;
-return BokehSinesOfTurns(vec4f(turns+.25,turns,0.,0.)).xy;}
+return BokehTurnSines(vec4f(turns+.25,turns,0.,0.)).xy;}
 fn BokehToTexture(uv:vec2f)->vec2f{
 var coords=uv;
 return coords;}
@@ -1607,16 +1606,15 @@ strip2:vec4f,strip3:vec4f,strip4:vec4f,strip5:vec4f,}
 fn BokehMakePolygon(sides:i32,rotation:f32,squeeze:f32)->BokehPolygon{
 let halfTurn=BokehCosSin(3.14159265/f32(sides));
 let edge=halfTurn.y;
-let height=halfTurn.x;
 var polygon:BokehPolygon;
 polygon.sides=sides;
 polygon.axis=BokehCosSin(rotation);
 polygon.squeeze=squeeze;
 polygon.lengths=vec4f(edge,edge,edge,edge);
 polygon.fifth=edge;
-polygon.corner=vec2f(.5*height,.5*edge);
-polygon.mean=vec2f(0.,.5*height*height/(edge*(.5*f32(sides)-1.)));
-polygon.area=.25*f32(sides)*edge*height;
+polygon.corner=halfTurn*.5;
+polygon.mean=vec2f(0.,.5*halfTurn.x*halfTurn.x/(edge*(.5*f32(sides) -1.)));
+polygon.area=.25*f32(sides)*edge*halfTurn.x;
 return polygon;}
 fn BokehRotated(direction:vec2f,axis:vec2f)->vec2f{
 return vec2f(direction.x*axis.x-direction.y*axis.y,direction.x*axis.y+direction.y*axis.x);}

@@ -42,7 +42,7 @@ fn BokehIsNaN(value: f32) -> bool
 {
 return (bitcast<u32>(value) & 0x7fffffffu) > 0x7f800000u;
 }
-fn BokehSinesOfTurns(turns: vec4f) -> vec4f
+fn BokehTurnSines(turns: vec4f) -> vec4f
 {
 var wave: vec4f = turns + 0.25;
 wave = 4.0 * abs(wave - floor(wave + 0.46)) - 1.0;
@@ -52,12 +52,12 @@ return wave * (1.57079615 - square * (0.645961552 - square * (0.079682161 - squa
 }
 fn BokehSines(angles: vec4f) -> vec4f
 {
-return BokehSinesOfTurns(angles * 0.159154943);
+return BokehTurnSines(angles * 0.159154943);
 }
 fn BokehCosSin(angle: f32) -> vec2f
 {
 let turns: f32 = angle * 0.159154943;
-return BokehSinesOfTurns(vec4f(turns + 0.25, turns, 0.0, 0.0)).xy;
+return BokehTurnSines(vec4f(turns + 0.25, turns, 0.0, 0.0)).xy;
 }
 var<private> BokehViewport: vec4f = vec4f(0.0, 0.0, 1.0, 1.0);
 var<private> BokehViewportBounds: vec4f = vec4f(0.0, 0.0, 1.0, 1.0);
@@ -326,16 +326,16 @@ fn BokehMakePolygon(sides: i32, rotation: f32, squeeze: f32) -> BokehPolygon
 {
 let halfTurn: vec2f = BokehCosSin(3.14159265 / f32(sides));
 let edge: f32 = halfTurn.y;
-let height: f32 = halfTurn.x;
 var polygon: BokehPolygon;
 polygon.sides = sides;
 polygon.axis = BokehCosSin(rotation);
 polygon.squeeze = squeeze;
 polygon.lengths = vec4f(edge, edge, edge, edge);
 polygon.fifth = edge;
-polygon.corner = vec2f(0.5 * height, 0.5 * edge);
-polygon.mean = vec2f(0.0, 0.5 * height * height / (edge * (0.5 * f32(sides) - 1.0)));
-polygon.area = 0.25 * f32(sides) * edge * height;
+polygon.corner = halfTurn * 0.5;
+polygon.mean = vec2f(0.0, 0.5 * halfTurn.x * halfTurn.x / (edge * (0.5 * f32(sides) -
+1.0)));
+polygon.area = 0.25 * f32(sides) * edge * halfTurn.x;
 return polygon;
 }
 fn BokehRotated(direction: vec2f, axis: vec2f) -> vec2f

@@ -127,7 +127,7 @@ bool BokehIsNaN(float value)
 {
 return (floatBitsToUint(value) & 0x7fffffffu) > 0x7f800000u;
 }
-vec4 BokehSinesOfTurns(vec4 turns)
+vec4 BokehTurnSines(vec4 turns)
 {
 vec4 wave = turns + 0.25;
 wave = 4.0 * abs(wave - floor(wave + 0.46)) - 1.0;
@@ -137,12 +137,12 @@ return wave * (1.57079615 - square * (0.645961552 - square * (0.079682161 - squa
 }
 vec4 BokehSines(vec4 angles)
 {
-return BokehSinesOfTurns(angles * 0.159154943);
+return BokehTurnSines(angles * 0.159154943);
 }
 vec2 BokehCosSin(float angle)
 {
 float turns = angle * 0.159154943;
-return BokehSinesOfTurns(vec4(turns + 0.25, turns, 0.0, 0.0)).xy;
+return BokehTurnSines(vec4(turns + 0.25, turns, 0.0, 0.0)).xy;
 }
 vec4 BokehViewport = vec4(0.0, 0.0, 1.0, 1.0);
 vec4 BokehViewportBounds = vec4(0.0, 0.0, 1.0, 1.0);
@@ -410,16 +410,16 @@ BokehPolygon BokehMakePolygon(int sides, float rotation, float squeeze)
 {
 vec2 halfTurn = BokehCosSin(3.14159265 / float(sides));
 float edge = halfTurn.y;
-float height = halfTurn.x;
 BokehPolygon polygon;
 polygon.sides = sides;
 polygon.axis = BokehCosSin(rotation);
 polygon.squeeze = squeeze;
 polygon.lengths = vec4(edge, edge, edge, edge);
 polygon.fifth = edge;
-polygon.corner = vec2(0.5 * height, 0.5 * edge);
-polygon.mean = vec2(0.0, 0.5 * height * height / (edge * (0.5 * float(sides) - 1.0)));
-polygon.area = 0.25 * float(sides) * edge * height;
+polygon.corner = halfTurn * 0.5;
+polygon.mean = vec2(0.0, 0.5 * halfTurn.x * halfTurn.x / (edge * (0.5 * float(sides) -
+1.0)));
+polygon.area = 0.25 * float(sides) * edge * halfTurn.x;
 return polygon;
 }
 vec2 BokehRotated(vec2 direction, vec2 axis)

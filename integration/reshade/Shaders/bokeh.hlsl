@@ -333,7 +333,7 @@ bool BokehIsNaN(float value)
 //   a wide blur, so GPUs would draw different pictures. These sines are exact to 0.000001 for
 //   angles up to a turn: a triangle wave, bent by a polynomial.
 //   turns         angles, 1 is a full turn
-float4 BokehSinesOfTurns(float4 turns)
+float4 BokehTurnSines(float4 turns)
 {
     float4 wave = turns + 0.25;
     wave = 4.0 * abs(wave - floor(wave + 0.46)) - 1.0;
@@ -342,7 +342,7 @@ float4 BokehSinesOfTurns(float4 turns)
         (0.00466415239 - square * 0.000147407686))));
 }
 
-// Porting: returns the sines of four angles, see BokehSinesOfTurns
+// Porting: returns the sines of four angles, see BokehTurnSines
 //   Shader model 3 has no room for that function.
 //   angles        radians
 float4 BokehSines(float4 angles)
@@ -350,11 +350,11 @@ float4 BokehSines(float4 angles)
 #if BOKEH_HLSL_SM == 3
     return sin(angles);
 #else
-    return BokehSinesOfTurns(angles * 0.159154943);
+    return BokehTurnSines(angles * 0.159154943);
 #endif
 }
 
-// Porting: returns cos and sin of an angle, see BokehSinesOfTurns
+// Porting: returns cos and sin of an angle, see BokehTurnSines
 //   angle         radians
 float2 BokehCosSin(float angle)
 {
@@ -362,7 +362,7 @@ float2 BokehCosSin(float angle)
     return float2(cos(angle), sin(angle));
 #else
     float turns = angle * 0.159154943;
-    return BokehSinesOfTurns(float4(turns + 0.25, turns, 0.0, 0.0)).xy;
+    return BokehTurnSines(float4(turns + 0.25, turns, 0.0, 0.0)).xy;
 #endif
 }
 
@@ -817,16 +817,16 @@ BokehPolygon BokehMakePolygon(int sides, float rotation, float squeeze)
 {
     float2 halfTurn = BokehCosSin(3.14159265 / float(sides));
     float edge = halfTurn.y;
-    float height = halfTurn.x;
     BokehPolygon polygon;
     polygon.sides = sides;
     polygon.axis = BokehCosSin(rotation);
     polygon.squeeze = squeeze;
     polygon.lengths = float4(edge, edge, edge, edge);
     polygon.fifth = edge;
-    polygon.corner = float2(0.5 * height, 0.5 * edge);
-    polygon.mean = float2(0.0, 0.5 * height * height / (edge * (0.5 * float(sides) - 1.0)));
-    polygon.area = 0.25 * float(sides) * edge * height;
+    polygon.corner = halfTurn * 0.5;
+    polygon.mean = float2(0.0, 0.5 * halfTurn.x * halfTurn.x / (edge * (0.5 * float(sides) -
+        1.0)));
+    polygon.area = 0.25 * float(sides) * edge * halfTurn.x;
     return polygon;
 }
 
