@@ -27,7 +27,7 @@ export function start(engine) {
   const { scene, camera, subject } = makeScene(engine);
   const sample = { engine, scene, camera, subject, bokeh: addBokeh(camera), tone: addTone(camera) };
   sample.bokeh.focusOn(subject.position);
-  sample.aims = [sample.bokeh.uniforms.focusDistance]; // metres; the nearest gets into focus, and a click replaces them
+  sample.aims = [sample.bokeh.uniforms.focusDistance]; // metres; the nearest of them gets into focus
   engine.runRenderLoop(() => {
     sample.bokeh.pullFocus(engine.getDeltaTime() / 1000, sample.aims);
     scene.render();

@@ -25,6 +25,7 @@ element.style = 'width: 640px; height: 480px';
 document.body.append(element);
 const root = createRoot(element);
 
-// The options of PolygonBokeh may change, like any property.
+root.render(<Sample />);
+
+// Draws with other options, which may change like any property.
 export const show = (options) => root.render(<Sample {...options} />);
-show({});
