@@ -24,7 +24,6 @@ const element = document.createElement('div');
 element.style = 'width: 640px; height: 480px';
 document.body.append(element);
 const root = createRoot(element);
-
 root.render(<Sample />);
 
 // Draws with other options, which may change like any property.
