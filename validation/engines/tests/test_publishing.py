@@ -51,14 +51,15 @@ def test_version():
 
 
 def test_changelog():
-    """Check that the first heading of CHANGELOG.md has this version, and either a date that exists or "not released
-    yet".
+    """Check that the first heading of CHANGELOG.md has this version, and either "not released yet", or a date that exists
+    and that CITATION.cff has, too.
     """
     changes = (ROOT / "CHANGELOG.md").read_text(encoding="utf-8")
     version, state = re.search(r"^## (\S+), (.*)$", changes, re.MULTILINE).groups()
     assert version == __version__
     if state != "not released yet":
         assert date.fromisoformat(state).isoformat() == state
+        assert f"\ndate-released: {state}\n" in (ROOT / "CITATION.cff").read_text(encoding="utf-8")
 
 
 @pytest.mark.parametrize(
