@@ -51,8 +51,8 @@ def test_version():
 
 
 def test_changelog():
-    """Check that the first heading of CHANGELOG.md has this version, and either "not released yet", or a date that exists
-    and that CITATION.cff has, too.
+    """Check that the first heading of CHANGELOG.md has this version, and either "not released yet", or a date that is
+    also in CITATION.cff.
     """
     changes = (ROOT / "CHANGELOG.md").read_text(encoding="utf-8")
     version, state = re.search(r"^## (\S+), (.*)$", changes, re.MULTILINE).groups()
