@@ -1692,11 +1692,10 @@ fn BokehComposite(MapSamp: texture_2d<f32>, GatherTilesSamp: texture_2d<f32>,
         if (plain.a >= 0.001)
         {
             // the weight of samples in front is their coverage; the rest shows through the gaps
-            let rest: f32 = plain.a - front.a;
-            let open: f32 = clamp(1.0 - front.a, 0.0, 1.0) / max(rest, 0.1);
+            let rest: vec4f = plain - front;
+            let shown: vec4f = front * max(rest.a, 0.1) + rest * clamp(1.0 - front.a, 0.0, 1.0);
             // 1.000001: see BokehResolved
-            result = (front.rgb + (plain.rgb - front.rgb) * open) * (1.000001 / (front.a + rest *
-                open));
+            result = shown.rgb * (1.000001 / shown.a);
         }
         outline *= clamp(4.0 * farLayer.a, 0.0, 1.0);
         if (BOKEH_LAYER_OUTLINES > 0 && outline > 0.0)

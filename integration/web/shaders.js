@@ -1313,9 +1313,9 @@ vec4 sum=vec4(gather.sum)+farLayer*(gather.farFound*(1.-max(farWeight,nearWeight
 vec4 plain=sum+farLayer*farWeight;
 vec4 front=vec4(gather.front);
 if(plain.a>=.001){
-float rest=plain.a-front.a;
-float open=clamp(1.-front.a,0.,1.)/max(rest,.1);
-result=(front.rgb+(plain.rgb-front.rgb)*open)*(1.000001/(front.a+rest*open));}
+vec4 rest=plain-front;
+vec4 shown=front*max(rest.a,.1)+rest*clamp(1.-front.a,0.,1.);
+result=shown.rgb*(1.000001/shown.a);}
 outline*=clamp(4.*farLayer.a,0.,1.);
 if(BOKEH_LAYER_OUTLINES>0&&outline>0.){
 vec3 change=BokehOutline(MapSamp,center,centerPixel,farColor,gather.slopes.y,layers);
@@ -2547,9 +2547,9 @@ let sum=vec4f(gather.sum)+farLayer*(gather.farFound*(1.-max(farWeight,nearWeight
 let plain=sum+farLayer*farWeight;
 let front=vec4f(gather.front);
 if(plain.a>=.001){
-let rest=plain.a-front.a;
-let open=clamp(1.-front.a,0.,1.)/max(rest,.1);
-result=(front.rgb+(plain.rgb-front.rgb)*open)*(1.000001/(front.a+rest*open));}
+let rest=plain-front;
+let shown=front*max(rest.a,.1)+rest*clamp(1.-front.a,0.,1.);
+result=shown.rgb*(1.000001/shown.a);}
 outline*=clamp(4.*farLayer.a,0.,1.);
 if(BOKEH_LAYER_OUTLINES>0&&outline>0.){
 let change=BokehOutline(MapSamp,center,centerPixel,farColor,gather.slopes.y,layers,BokehLinearClamp);

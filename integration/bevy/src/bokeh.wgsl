@@ -1984,10 +1984,9 @@ let plain: vec4f = sum + farLayer * farWeight;
 let front: vec4f = vec4f(gather.front);
 if (plain.a >= 0.001)
 {
-let rest: f32 = plain.a - front.a;
-let open: f32 = clamp(1.0 - front.a, 0.0, 1.0) / max(rest, 0.1);
-result = (front.rgb + (plain.rgb - front.rgb) * open) * (1.000001 / (front.a + rest *
-open));
+let rest: vec4f = plain - front;
+let shown: vec4f = front * max(rest.a, 0.1) + rest * clamp(1.0 - front.a, 0.0, 1.0);
+result = shown.rgb * (1.000001 / shown.a);
 }
 outline *= clamp(4.0 * farLayer.a, 0.0, 1.0);
 if (BOKEH_LAYER_OUTLINES > 0 && outline > 0.0)

@@ -2042,10 +2042,9 @@ vec4 plain = sum + farLayer * farWeight;
 vec4 front = vec4(gather.front);
 if (plain.a >= 0.001)
 {
-float rest = plain.a - front.a;
-float open = clamp(1.0 - front.a, 0.0, 1.0) / max(rest, 0.1);
-result = (front.rgb + (plain.rgb - front.rgb) * open) * (1.000001 / (front.a + rest *
-open));
+vec4 rest = plain - front;
+vec4 shown = front * max(rest.a, 0.1) + rest * clamp(1.0 - front.a, 0.0, 1.0);
+result = shown.rgb * (1.000001 / shown.a);
 }
 outline *= clamp(4.0 * farLayer.a, 0.0, 1.0);
 if (BOKEH_LAYER_OUTLINES > 0 && outline > 0.0)

@@ -1716,11 +1716,10 @@ float4 BokehComposite(BOKEH_TEXTURE MapSamp, BOKEH_TEXTURE GatherTilesSamp, BOKE
         if (plain.a >= 0.001)
         {
             // the weight of samples in front is their coverage; the rest shows through the gaps
-            float rest = plain.a - front.a;
-            float open = clamp(1.0 - front.a, 0.0, 1.0) / max(rest, 0.1);
+            float4 rest = plain - front;
+            float4 shown = front * max(rest.a, 0.1) + rest * clamp(1.0 - front.a, 0.0, 1.0);
             // 1.000001: see BokehResolved
-            result = (front.rgb + (plain.rgb - front.rgb) * open) * (1.000001 / (front.a + rest *
-                open));
+            result = shown.rgb * (1.000001 / shown.a);
         }
         outline *= clamp(4.0 * farLayer.a, 0.0, 1.0);
         if (BOKEH_LAYER_OUTLINES > 0 && outline > 0.0)
