@@ -13,7 +13,7 @@ const CLICK = 5;
 
 // Returns whether an object and all its parents are visible: rays of three.js also hit hidden objects.
 const isVisible = (object) => !object || (object.visible && isVisible(object.parent));
-// Returns the same of what a ray has hit, which may also have a hidden material.
+// Returns whether the object that a ray has hit is visible, and the material that it has there.
 const isSeen = ({ object, face }) => isVisible(object) && [object.material].flat()[face?.materialIndex ?? 0]?.visible !== false;
 
 // Draws the objects of a layer into the current render target, over what is there. Also puts the lights on the layer.
