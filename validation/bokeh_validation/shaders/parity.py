@@ -68,11 +68,13 @@ def _wgsl_targets(match: re.Match) -> str:
     return " ".join(f"target{i} = {value};" for i, value in enumerate(re.split(r",\s+", match[1])))
 
 
+# the part of section [2] that is different in each language
+PORTING = r"^(// \[2\] .*\n)(?s:.*?)(?=^// where the image lies in its textures)"
 # (pattern, replacement) in the order of application: first to the whole text, then to the code
 _Rewrites = tuple[tuple[str, str | Callable[[re.Match], str]], ...]
 _EVERYWHERE: _Rewrites = (
     (r"^// PASTE(?s:.*?)(?=^// CONTENTS)", ""),
-    (r"^(// \[2\] .*\n)(?s:.*?)(?=^// where the image lies in its textures)", r"\1"),
+    (PORTING, r"\1"),
     (rf"(?s:{shaders.FUNCTION.pattern})", _own_body),
     # shader model 3 limits a loop to 255 iterations, so HLSL's naive gather has two nested loops
     (

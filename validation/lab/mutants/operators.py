@@ -141,7 +141,9 @@ def mutants() -> Iterator[Mutant]:
         if name.endswith("_VS"):
             continue
         original, types = originals()[key], everywhere | _types(text[text.rindex("\n\n", 0, start) : end])
-        common = not re.search(rf"{rules.SAMPLING}\(", original[start:end])
+        porting = re.search(parity.PORTING, original, re.MULTILINE)
+        is_ported = porting is not None and porting.start() < start < porting.end()
+        common = not is_ported and not re.search(rf"{rules.SAMPLING}\(", original[start:end])
         # operators take turns within a function, so that edits elsewhere do not change which mutants are made
         uses: Counter[str] = Counter()
         for statement_start, statement_end, statement in _statements(text, start, end):
