@@ -290,8 +290,8 @@ vec2 BokehFetchDepth(BOKEH_DEPTH_TEXTURE tex, vec2 coords)
 #endif
 
 // Porting: returns whether a value is NaN, by its bits
-//   With fast math, a compiler takes it that no value is NaN, and may change a comparison that NaN
-//   fails into one that it passes.
+//   With fast math, a compiler assumes that no value is NaN, and may turn a comparison that NaN
+//   fails into one that NaN passes.
 bool BokehIsNaN(float value)
 {
     return (floatBitsToUint(value) & 0x7fffffffu) > 0x7f800000u;

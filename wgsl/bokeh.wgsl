@@ -192,8 +192,8 @@ fn BokehFetchDepth(tex: BokehDepthTexture, coords: vec2f) -> vec2f
 }
 
 // Porting: returns whether a value is NaN, by its bits
-//   With fast math, a compiler takes it that no value is NaN, and may change a comparison that NaN
-//   fails into one that it passes.
+//   With fast math, a compiler assumes that no value is NaN, and may turn a comparison that NaN
+//   fails into one that NaN passes.
 fn BokehIsNaN(value: f32) -> bool
 {
     return (bitcast<u32>(value) & 0x7fffffffu) > 0x7f800000u;

@@ -316,9 +316,9 @@ float2 BokehFetchDepth(BOKEH_DEPTH_TEXTURE tex, float2 coords)
 #endif
 
 // Porting: returns whether a value is NaN, by its bits
-//   With fast math, a compiler takes it that no value is NaN, and may change a comparison that NaN
-//   fails into one that it passes.
-//   Shader model 3 has no bits, so there BokehSanitize is left with its comparison.
+//   With fast math, a compiler assumes that no value is NaN, and may turn a comparison that NaN
+//   fails into one that NaN passes.
+//   Shader model 3 cannot read bits. There, the comparison in BokehSanitize has to be enough.
 bool BokehIsNaN(float value)
 {
 #if BOKEH_HLSL_SM == 3
