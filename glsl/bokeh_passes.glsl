@@ -38,10 +38,9 @@
 //   slots, and what it writes. In addition:
 //   * Square and hexagon blur both layers at once. Their first pass reads nearLayer, nearQuarter,
 //     farLayer, farQuarter, layerCoC, and writes strip 2 of near and far, then strip 3 of both.
-//   * Octagon and decagon blur one layer at a time: the near one with BokehLayer 0, the far one
-//     with 1.
+//   * Octagon and decagon have passes of their own for each layer, such as OCTAGON_NEAR_FIRST.
 //   * Second passes read layerCoC from ColorSampE.
-//   * TileDilate runs twice, with BokehAxis 0, then 1.
+//   * TileDilate has two passes, TILE_DILATE_ROWS, then TILE_DILATE_COLUMNS.
 //   * A pass whose name ends in One or Edge writes only target BOKEH_TARGET_INDEX.
 //
 //   Parameters: single uniforms in OpenGL; under Vulkan one uniform block in the order below
@@ -74,31 +73,38 @@
 #define BOKEH_STABLE_MAP 21
 #define BOKEH_LATERAL_COLOR 22
 #define BOKEH_TILE_MAX 23
-#define BOKEH_TILE_DILATE 24
-#define BOKEH_PREFILTER 25
-#define BOKEH_LAYER_COC_REDUCE 26
-#define BOKEH_LAYER_COC_ROWS 27
-#define BOKEH_LAYER_COC_COLUMNS 28
-#define BOKEH_DOWNSAMPLE 29
-#define BOKEH_HOLE_FILL 30
-#define BOKEH_SQUARE_LAYER_FIRST 31
-#define BOKEH_SQUARE_LAYER_SECOND 32
-#define BOKEH_HEXAGON_LAYER_FIRST 33
-#define BOKEH_HEXAGON_LAYER_SECOND 34
-#define BOKEH_OCTAGON_LAYER_FIRST 35
-#define BOKEH_OCTAGON_LAYER_SECOND 36
-#define BOKEH_DECAGON_LAYER_FIRST 37
-#define BOKEH_DECAGON_LAYER_SECOND 38
-#define BOKEH_COMPOSITE 39
-#define BOKEH_PREFILTER_ONE 40
-#define BOKEH_LAYER_COC_REDUCE_ONE 41
-#define BOKEH_LAYER_COC_ROWS_ONE 42
-#define BOKEH_LAYER_COC_COLUMNS_ONE 43
-#define BOKEH_DOWNSAMPLE_ONE 44
-#define BOKEH_HOLE_FILL_ONE 45
-#define BOKEH_LAYER_EDGE 46
-#define BOKEH_LAYER_SECOND_ONE 47
-#define BOKEH_FULL_SCREEN 48
+#define BOKEH_TILE_DILATE_ROWS 24
+#define BOKEH_TILE_DILATE_COLUMNS 25
+#define BOKEH_PREFILTER 26
+#define BOKEH_LAYER_COC_REDUCE 27
+#define BOKEH_LAYER_COC_ROWS 28
+#define BOKEH_LAYER_COC_COLUMNS 29
+#define BOKEH_DOWNSAMPLE 30
+#define BOKEH_HOLE_FILL 31
+#define BOKEH_SQUARE_LAYER_FIRST 32
+#define BOKEH_SQUARE_LAYER_SECOND 33
+#define BOKEH_HEXAGON_LAYER_FIRST 34
+#define BOKEH_HEXAGON_LAYER_SECOND 35
+#define BOKEH_OCTAGON_NEAR_FIRST 36
+#define BOKEH_OCTAGON_NEAR_SECOND 37
+#define BOKEH_OCTAGON_FAR_FIRST 38
+#define BOKEH_OCTAGON_FAR_SECOND 39
+#define BOKEH_DECAGON_NEAR_FIRST 40
+#define BOKEH_DECAGON_NEAR_SECOND 41
+#define BOKEH_DECAGON_FAR_FIRST 42
+#define BOKEH_DECAGON_FAR_SECOND 43
+#define BOKEH_COMPOSITE 44
+#define BOKEH_PREFILTER_ONE 45
+#define BOKEH_LAYER_COC_REDUCE_ONE 46
+#define BOKEH_LAYER_COC_ROWS_ONE 47
+#define BOKEH_LAYER_COC_COLUMNS_ONE 48
+#define BOKEH_DOWNSAMPLE_ONE 49
+#define BOKEH_HOLE_FILL_ONE 50
+#define BOKEH_NEAR_EDGE 51
+#define BOKEH_FAR_EDGE 52
+#define BOKEH_NEAR_SECOND_ONE 53
+#define BOKEH_FAR_SECOND_ONE 54
+#define BOKEH_FULL_SCREEN 55
 
 // the target that _ONE and _EDGE write, 0 ..; whether BokehJitter acts, the aperture
 // has the shape of a lens, the CoC map takes all parameters
@@ -126,7 +132,7 @@
 #error put bokeh_paper.glsl before this file
 #elif BOKEH_PASS >= BOKEH_STABLE_MAP && BOKEH_PASS <= BOKEH_LATERAL_COLOR && !defined(BOKEH_LENS)
 #error put bokeh_lens.glsl before this file
-#elif BOKEH_PASS >= BOKEH_TILE_MAX && BOKEH_PASS <= BOKEH_LAYER_SECOND_ONE && !defined(BOKEH_LAYERS)
+#elif BOKEH_PASS >= BOKEH_TILE_MAX && BOKEH_PASS <= BOKEH_FAR_SECOND_ONE && !defined(BOKEH_LAYERS)
 #error put bokeh_layers.glsl before this file
 #endif
 
@@ -221,8 +227,6 @@ BOKEH_PARAMETER(float, BokehViewportY)
 BOKEH_PARAMETER(float, BokehTextureWidth)
 BOKEH_PARAMETER(float, BokehTextureHeight)
 BOKEH_PARAMETER(float, BokehPassIndex)
-BOKEH_PARAMETER(float, BokehAxis)
-BOKEH_PARAMETER(float, BokehLayer)
 BOKEH_PARAMETER(float, BokehCatsEye)
 BOKEH_PARAMETER(float, BokehRoundness)
 BOKEH_PARAMETER(float, BokehLateral)
@@ -251,13 +255,15 @@ BOKEH_PARAMETER(float, BokehStableBlend)
 #define BOKEH_TARGETS 2
 #elif BOKEH_PASS == BOKEH_LAYER_COC_COLUMNS || BOKEH_PASS == BOKEH_HOLE_FILL
 #define BOKEH_TARGETS 2
-#elif BOKEH_PASS == BOKEH_OCTAGON_FIRST || BOKEH_PASS == BOKEH_OCTAGON_LAYER_FIRST
+#elif BOKEH_PASS == BOKEH_OCTAGON_NEAR_FIRST || BOKEH_PASS == BOKEH_OCTAGON_FAR_FIRST
 #define BOKEH_TARGETS 3
-#elif BOKEH_PASS == BOKEH_DECAGON_FIRST || BOKEH_PASS == BOKEH_DECAGON_LAYER_FIRST
+#elif BOKEH_PASS == BOKEH_OCTAGON_FIRST
+#define BOKEH_TARGETS 3
+#elif BOKEH_PASS == BOKEH_DECAGON_NEAR_FIRST || BOKEH_PASS == BOKEH_DECAGON_FAR_FIRST
 #define BOKEH_TARGETS 4
 #elif BOKEH_PASS == BOKEH_PREFILTER || BOKEH_PASS == BOKEH_DOWNSAMPLE
 #define BOKEH_TARGETS 4
-#elif BOKEH_PASS == BOKEH_HEXAGON_LAYER_FIRST
+#elif BOKEH_PASS == BOKEH_DECAGON_FIRST || BOKEH_PASS == BOKEH_HEXAGON_LAYER_FIRST
 #define BOKEH_TARGETS 4
 #else
 #define BOKEH_TARGETS 1
@@ -456,19 +462,19 @@ BokehLayerContext BokehBeginTiles(vec2 uv)
 
 // blurs one layer, first pass
 //   last          as in BokehExactFirst
-BokehTargets BokehLayerPolygon(vec2 uv, int last, BokehPolygon polygon)
+BokehTargets BokehLayerPolygon(vec2 uv, bool isFar, int last, BokehPolygon polygon)
 {
     BokehLayerContext layers = BokehBeginLayers(uv, float(BOKEH_LAYER_SCALE), 0.0);
     return BokehLayerFirst(BokehColorSamp, BokehColorSampB, BokehLayerCoC(BokehColorSampC,
-        layers), BokehLayer > 0.5, last, polygon, layers);
+        layers), isFar, last, polygon, layers);
 }
 
 // blurs one layer, second pass
-vec4 BokehLayerResult(vec2 uv, BOKEH_TEXTURE Strip5Samp, BokehPolygon polygon)
+vec4 BokehLayerResult(vec2 uv, bool isFar, BOKEH_TEXTURE Strip5Samp, BokehPolygon polygon)
 {
     BokehLayerContext layers = BokehBeginLayers(uv, float(BOKEH_LAYER_SCALE), 1.0);
     return BokehLayerSecond(BokehColorSamp, BokehColorSampB, BokehColorSampC, Strip5Samp,
-        BokehLayerCoC(BokehColorSampE, layers), BokehLayer > 0.5, polygon, layers);
+        BokehLayerCoC(BokehColorSampE, layers), isFar, polygon, layers);
 }
 
 // blurs both layers, first pass of a square or a hexagon
@@ -747,12 +753,18 @@ void main()
     BokehResult = BokehTileMax(BokehColorSamp, BokehBeginTiles(BokehUV));
 }
 
-#elif BOKEH_PASS == BOKEH_TILE_DILATE
+#elif BOKEH_PASS == BOKEH_TILE_DILATE_ROWS
 
 void main()
 {
-    vec2 axis = vec2(1.0 - BokehAxis, BokehAxis);
-    BokehResult = BokehTileDilate(BokehColorSamp, axis, BokehBeginTiles(BokehUV));
+    BokehResult = BokehTileDilate(BokehColorSamp, vec2(1.0, 0.0), BokehBeginTiles(BokehUV));
+}
+
+#elif BOKEH_PASS == BOKEH_TILE_DILATE_COLUMNS
+
+void main()
+{
+    BokehResult = BokehTileDilate(BokehColorSamp, vec2(0.0, 1.0), BokehBeginTiles(BokehUV));
 }
 
 #elif BOKEH_PASS == BOKEH_PREFILTER
@@ -857,39 +869,74 @@ void main()
     BokehResultB = targets.farLayer;
 }
 
-#elif BOKEH_PASS == BOKEH_OCTAGON_LAYER_FIRST
+#elif BOKEH_PASS == BOKEH_OCTAGON_NEAR_FIRST
 
 void main()
 {
-    BokehTargets targets = BokehLayerPolygon(BokehUV, 4, BokehAperture(BokehUV, 8));
+    BokehTargets targets = BokehLayerPolygon(BokehUV, false, 4, BokehAperture(BokehUV, 8));
     BokehResult = targets.strip2;
     BokehResultB = targets.strip3;
     BokehResultC = targets.strip4;
 }
 
-#elif BOKEH_PASS == BOKEH_OCTAGON_LAYER_SECOND
+#elif BOKEH_PASS == BOKEH_OCTAGON_NEAR_SECOND
 
 void main()
 {
-    BokehResult = BokehLayerResult(BokehUV, BokehColorSampC, BokehAperture(BokehUV, 8));
+    BokehResult = BokehLayerResult(BokehUV, false, BokehColorSampC, BokehAperture(BokehUV, 8));
 }
 
-#elif BOKEH_PASS == BOKEH_DECAGON_LAYER_FIRST
+#elif BOKEH_PASS == BOKEH_OCTAGON_FAR_FIRST
 
 void main()
 {
-    BokehTargets targets = BokehLayerPolygon(BokehUV, 5, BokehAperture(BokehUV, 10));
+    BokehTargets targets = BokehLayerPolygon(BokehUV, true, 4, BokehAperture(BokehUV, 8));
+    BokehResult = targets.strip2;
+    BokehResultB = targets.strip3;
+    BokehResultC = targets.strip4;
+}
+
+#elif BOKEH_PASS == BOKEH_OCTAGON_FAR_SECOND
+
+void main()
+{
+    BokehResult = BokehLayerResult(BokehUV, true, BokehColorSampC, BokehAperture(BokehUV, 8));
+}
+
+#elif BOKEH_PASS == BOKEH_DECAGON_NEAR_FIRST
+
+void main()
+{
+    BokehTargets targets = BokehLayerPolygon(BokehUV, false, 5, BokehAperture(BokehUV, 10));
     BokehResult = targets.strip2;
     BokehResultB = targets.strip3;
     BokehResultC = targets.strip4;
     BokehResultD = targets.strip5;
 }
 
-#elif BOKEH_PASS == BOKEH_DECAGON_LAYER_SECOND
+#elif BOKEH_PASS == BOKEH_DECAGON_NEAR_SECOND
 
 void main()
 {
-    BokehResult = BokehLayerResult(BokehUV, BokehColorSampD, BokehAperture(BokehUV, 10));
+    BokehResult = BokehLayerResult(BokehUV, false, BokehColorSampD, BokehAperture(BokehUV, 10));
+}
+
+#elif BOKEH_PASS == BOKEH_DECAGON_FAR_FIRST
+
+void main()
+{
+    BokehTargets targets = BokehLayerPolygon(BokehUV, true, 5, BokehAperture(BokehUV, 10));
+    BokehResult = targets.strip2;
+    BokehResultB = targets.strip3;
+    BokehResultC = targets.strip4;
+    BokehResultD = targets.strip5;
+}
+
+#elif BOKEH_PASS == BOKEH_DECAGON_FAR_SECOND
+
+void main()
+{
+    BokehResult = BokehLayerResult(BokehUV, true, BokehColorSampD, BokehAperture(BokehUV, 10));
 }
 
 #elif BOKEH_PASS == BOKEH_COMPOSITE
@@ -960,22 +1007,38 @@ void main()
         targets.farFill);
 }
 
-#elif BOKEH_PASS == BOKEH_LAYER_EDGE
+#elif BOKEH_PASS == BOKEH_NEAR_EDGE
 
 // writes one target of the first blur pass of one layer, for any polygon
 void main()
 {
-    BokehTargets targets = BokehLayerPolygon(BokehUV, BOKEH_TARGET_INDEX + 2,
+    BokehTargets targets = BokehLayerPolygon(BokehUV, false, BOKEH_TARGET_INDEX + 2,
         BokehAnyAperture(BokehUV));
     BokehResult = BokehSelectTarget(targets.strip2, targets.strip3, targets.strip4, targets.strip5);
 }
 
-#elif BOKEH_PASS == BOKEH_LAYER_SECOND_ONE
+#elif BOKEH_PASS == BOKEH_FAR_EDGE
+
+void main()
+{
+    BokehTargets targets = BokehLayerPolygon(BokehUV, true, BOKEH_TARGET_INDEX + 2,
+        BokehAnyAperture(BokehUV));
+    BokehResult = BokehSelectTarget(targets.strip2, targets.strip3, targets.strip4, targets.strip5);
+}
+
+#elif BOKEH_PASS == BOKEH_NEAR_SECOND_ONE
 
 // writes one blurred layer, for any polygon: the second blur pass
 void main()
 {
-    BokehResult = BokehLayerResult(BokehUV, BokehColorSampD, BokehAnyAperture(BokehUV));
+    BokehResult = BokehLayerResult(BokehUV, false, BokehColorSampD, BokehAnyAperture(BokehUV));
+}
+
+#elif BOKEH_PASS == BOKEH_FAR_SECOND_ONE
+
+void main()
+{
+    BokehResult = BokehLayerResult(BokehUV, true, BokehColorSampD, BokehAnyAperture(BokehUV));
 }
 
 #endif

@@ -37,10 +37,9 @@
 //   slots, and what it writes. In addition:
 //   * Square and hexagon blur both layers at once. Their first pass reads nearLayer, nearQuarter,
 //     farLayer, farQuarter, layerCoC, and writes strip 2 of near and far, then strip 3 of both.
-//   * Octagon and decagon blur one layer at a time: the near one with BokehLayer 0, the far one
-//     with 1.
+//   * Octagon and decagon have passes of their own for each layer, such as OctagonNearFirst.
 //   * Second passes read layerCoC from ColorSampE.
-//   * TileDilate runs twice, with BokehAxis 0, then 1.
+//   * TileDilate has two passes, TileDilateRows, then TileDilateColumns.
 //   * A pass whose name ends in One or Edge writes only target BOKEH_TARGET_INDEX.
 //
 //   Parameters: number i of the list below is register c(i) in SM3 and byte offset 4 i of the
@@ -156,22 +155,20 @@ BOKEH_PARAMETER(float, BokehViewportY, 28)
 BOKEH_PARAMETER(float, BokehTextureWidth, 29)
 BOKEH_PARAMETER(float, BokehTextureHeight, 30)
 BOKEH_PARAMETER(float, BokehPassIndex, 31)
-BOKEH_PARAMETER(float, BokehAxis, 32)
-BOKEH_PARAMETER(float, BokehLayer, 33)
-BOKEH_PARAMETER(float, BokehCatsEye, 34)
-BOKEH_PARAMETER(float, BokehRoundness, 35)
-BOKEH_PARAMETER(float, BokehLateral, 36)
-BOKEH_PARAMETER(float, BokehFrontRange, 37)
-BOKEH_PARAMETER(float, BokehBackRange, 38)
-BOKEH_PARAMETER(float, BokehNearScale, 39)
-BOKEH_PARAMETER(float, BokehFarScale, 40)
-BOKEH_PARAMETER(float, BokehNearMaxCoC, 41)
-BOKEH_PARAMETER(float, BokehFarMaxCoC, 42)
-BOKEH_PARAMETER(float, BokehDepthX, 43)
-BOKEH_PARAMETER(float, BokehDepthY, 44)
-BOKEH_PARAMETER(float, BokehDepthWidth, 45)
-BOKEH_PARAMETER(float, BokehDepthHeight, 46)
-BOKEH_PARAMETER(float, BokehStableBlend, 47)
+BOKEH_PARAMETER(float, BokehCatsEye, 32)
+BOKEH_PARAMETER(float, BokehRoundness, 33)
+BOKEH_PARAMETER(float, BokehLateral, 34)
+BOKEH_PARAMETER(float, BokehFrontRange, 35)
+BOKEH_PARAMETER(float, BokehBackRange, 36)
+BOKEH_PARAMETER(float, BokehNearScale, 37)
+BOKEH_PARAMETER(float, BokehFarScale, 38)
+BOKEH_PARAMETER(float, BokehNearMaxCoC, 39)
+BOKEH_PARAMETER(float, BokehFarMaxCoC, 40)
+BOKEH_PARAMETER(float, BokehDepthX, 41)
+BOKEH_PARAMETER(float, BokehDepthY, 42)
+BOKEH_PARAMETER(float, BokehDepthWidth, 43)
+BOKEH_PARAMETER(float, BokehDepthHeight, 44)
+BOKEH_PARAMETER(float, BokehStableBlend, 45)
 
 #if BOKEH_HLSL_SM > 3
 }
@@ -398,20 +395,19 @@ BokehLayerContext BokehBeginTiles(float2 uv)
 
 // blurs one layer, first pass
 //   last          as in BokehExactFirst
-BokehTargets BokehLayerPolygon(float2 uv, int last, BokehPolygon polygon)
+BokehTargets BokehLayerPolygon(float2 uv, bool isFar, int last, BokehPolygon polygon)
 {
     BokehLayerContext layers = BokehBeginLayers(uv, float(BOKEH_LAYER_SCALE), 0.0);
     return BokehLayerFirst(BokehColorSamp, BokehColorSampB, BokehLayerCoC(BokehColorSampC,
-        layers BOKEH_LINEAR), BokehLayer > 0.5, last, polygon, layers BOKEH_LINEAR);
+        layers BOKEH_LINEAR), isFar, last, polygon, layers BOKEH_LINEAR);
 }
 
 // blurs one layer, second pass
-float4 BokehLayerResult(float2 uv, BOKEH_TEXTURE Strip5Samp, BokehPolygon polygon)
+float4 BokehLayerResult(float2 uv, bool isFar, BOKEH_TEXTURE Strip5Samp, BokehPolygon polygon)
 {
     BokehLayerContext layers = BokehBeginLayers(uv, float(BOKEH_LAYER_SCALE), 1.0);
     return BokehLayerSecond(BokehColorSamp, BokehColorSampB, BokehColorSampC, Strip5Samp,
-        BokehLayerCoC(BokehColorSampE, layers BOKEH_LINEAR), BokehLayer > 0.5, polygon,
-        layers BOKEH_LINEAR);
+        BokehLayerCoC(BokehColorSampE, layers BOKEH_LINEAR), isFar, polygon, layers BOKEH_LINEAR);
 }
 
 // blurs both layers, first pass of a square or a hexagon
@@ -662,10 +658,14 @@ float4 BokehTileMax_PS(BOKEH_INPUT) : BOKEH_OUTPUT
     return BokehTileMax(BokehColorSamp, BokehBeginTiles(uv));
 }
 
-float4 BokehTileDilate_PS(BOKEH_INPUT) : BOKEH_OUTPUT
+float4 BokehTileDilateRows_PS(BOKEH_INPUT) : BOKEH_OUTPUT
 {
-    float2 axis = float2(1.0 - BokehAxis, BokehAxis);
-    return BokehTileDilate(BokehColorSamp, axis, BokehBeginTiles(uv) BOKEH_LINEAR);
+    return BokehTileDilate(BokehColorSamp, float2(1.0, 0.0), BokehBeginTiles(uv) BOKEH_LINEAR);
+}
+
+float4 BokehTileDilateColumns_PS(BOKEH_INPUT) : BOKEH_OUTPUT
+{
+    return BokehTileDilate(BokehColorSamp, float2(0.0, 1.0), BokehBeginTiles(uv) BOKEH_LINEAR);
 }
 
 BokehTargets4 BokehPrefilter_PS(BOKEH_INPUT)
@@ -770,9 +770,9 @@ BokehTargets2 BokehHexagonLayerSecond_PS(BOKEH_INPUT)
     return result;
 }
 
-BokehTargets3 BokehOctagonLayerFirst_PS(BOKEH_INPUT)
+BokehTargets3 BokehOctagonNearFirst_PS(BOKEH_INPUT)
 {
-    BokehTargets targets = BokehLayerPolygon(uv, 4, BokehAperture(uv, 8));
+    BokehTargets targets = BokehLayerPolygon(uv, false, 4, BokehAperture(uv, 8));
     BokehTargets3 result;
     result.target0 = targets.strip2;
     result.target1 = targets.strip3;
@@ -780,14 +780,29 @@ BokehTargets3 BokehOctagonLayerFirst_PS(BOKEH_INPUT)
     return result;
 }
 
-float4 BokehOctagonLayerSecond_PS(BOKEH_INPUT) : BOKEH_OUTPUT
+float4 BokehOctagonNearSecond_PS(BOKEH_INPUT) : BOKEH_OUTPUT
 {
-    return BokehLayerResult(uv, BokehColorSampC, BokehAperture(uv, 8));
+    return BokehLayerResult(uv, false, BokehColorSampC, BokehAperture(uv, 8));
 }
 
-BokehTargets4 BokehDecagonLayerFirst_PS(BOKEH_INPUT)
+BokehTargets3 BokehOctagonFarFirst_PS(BOKEH_INPUT)
 {
-    BokehTargets targets = BokehLayerPolygon(uv, 5, BokehAperture(uv, 10));
+    BokehTargets targets = BokehLayerPolygon(uv, true, 4, BokehAperture(uv, 8));
+    BokehTargets3 result;
+    result.target0 = targets.strip2;
+    result.target1 = targets.strip3;
+    result.target2 = targets.strip4;
+    return result;
+}
+
+float4 BokehOctagonFarSecond_PS(BOKEH_INPUT) : BOKEH_OUTPUT
+{
+    return BokehLayerResult(uv, true, BokehColorSampC, BokehAperture(uv, 8));
+}
+
+BokehTargets4 BokehDecagonNearFirst_PS(BOKEH_INPUT)
+{
+    BokehTargets targets = BokehLayerPolygon(uv, false, 5, BokehAperture(uv, 10));
     BokehTargets4 result;
     result.target0 = targets.strip2;
     result.target1 = targets.strip3;
@@ -796,9 +811,25 @@ BokehTargets4 BokehDecagonLayerFirst_PS(BOKEH_INPUT)
     return result;
 }
 
-float4 BokehDecagonLayerSecond_PS(BOKEH_INPUT) : BOKEH_OUTPUT
+float4 BokehDecagonNearSecond_PS(BOKEH_INPUT) : BOKEH_OUTPUT
 {
-    return BokehLayerResult(uv, BokehColorSampD, BokehAperture(uv, 10));
+    return BokehLayerResult(uv, false, BokehColorSampD, BokehAperture(uv, 10));
+}
+
+BokehTargets4 BokehDecagonFarFirst_PS(BOKEH_INPUT)
+{
+    BokehTargets targets = BokehLayerPolygon(uv, true, 5, BokehAperture(uv, 10));
+    BokehTargets4 result;
+    result.target0 = targets.strip2;
+    result.target1 = targets.strip3;
+    result.target2 = targets.strip4;
+    result.target3 = targets.strip5;
+    return result;
+}
+
+float4 BokehDecagonFarSecond_PS(BOKEH_INPUT) : BOKEH_OUTPUT
+{
+    return BokehLayerResult(uv, true, BokehColorSampD, BokehAperture(uv, 10));
 }
 
 float4 BokehComposite_PS(BOKEH_INPUT) : BOKEH_OUTPUT
@@ -855,16 +886,29 @@ float4 BokehHoleFillOne_PS(BOKEH_INPUT) : BOKEH_OUTPUT
 }
 
 // writes one target of the first blur pass of one layer, for any polygon
-float4 BokehLayerEdge_PS(BOKEH_INPUT) : BOKEH_OUTPUT
+float4 BokehNearEdge_PS(BOKEH_INPUT) : BOKEH_OUTPUT
 {
-    BokehTargets targets = BokehLayerPolygon(uv, BOKEH_TARGET_INDEX + 2, BokehAnyAperture(uv));
+    BokehTargets targets = BokehLayerPolygon(uv, false, BOKEH_TARGET_INDEX + 2,
+        BokehAnyAperture(uv));
+    return BokehSelectTarget(targets.strip2, targets.strip3, targets.strip4, targets.strip5);
+}
+
+float4 BokehFarEdge_PS(BOKEH_INPUT) : BOKEH_OUTPUT
+{
+    BokehTargets targets = BokehLayerPolygon(uv, true, BOKEH_TARGET_INDEX + 2,
+        BokehAnyAperture(uv));
     return BokehSelectTarget(targets.strip2, targets.strip3, targets.strip4, targets.strip5);
 }
 
 // writes one blurred layer, for any polygon: the second blur pass
-float4 BokehLayerSecondOne_PS(BOKEH_INPUT) : BOKEH_OUTPUT
+float4 BokehNearSecondOne_PS(BOKEH_INPUT) : BOKEH_OUTPUT
 {
-    return BokehLayerResult(uv, BokehColorSampD, BokehAnyAperture(uv));
+    return BokehLayerResult(uv, false, BokehColorSampD, BokehAnyAperture(uv));
+}
+
+float4 BokehFarSecondOne_PS(BOKEH_INPUT) : BOKEH_OUTPUT
+{
+    return BokehLayerResult(uv, true, BokehColorSampD, BokehAnyAperture(uv));
 }
 
 #endif

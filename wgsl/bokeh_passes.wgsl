@@ -36,10 +36,9 @@
 //   slots, and what it writes. In addition:
 //   * Square and hexagon blur both layers at once. Their first pass reads nearLayer, nearQuarter,
 //     farLayer, farQuarter, layerCoC, and writes strip 2 of near and far, then strip 3 of both.
-//   * Octagon and decagon blur one layer at a time: the near one with BokehLayer 0, the far one
-//     with 1.
+//   * Octagon and decagon have passes of their own for each layer, such as OctagonNearFirst.
 //   * Second passes read layerCoC from ColorSampE.
-//   * TileDilate runs twice, with BokehAxis 0, then 1.
+//   * TileDilate has two passes, TileDilateRows, then TileDilateColumns.
 //   * A pass whose name ends in One or Edge writes only target BOKEH_TARGET_INDEX.
 //
 //   Parameters: number i of the struct below is at byte offset 4 i; bind 192 bytes
@@ -91,8 +90,6 @@ struct BokehParameters
     BokehTextureWidth: f32,
     BokehTextureHeight: f32,
     BokehPassIndex: f32,
-    BokehAxis: f32,
-    BokehLayer: f32,
     BokehCatsEye: f32,
     BokehRoundness: f32,
     BokehLateral: f32,
@@ -344,21 +341,21 @@ fn BokehBeginTiles(uv: vec2f) -> BokehLayerContext
 
 // blurs one layer, first pass
 //   last          as in BokehExactFirst
-fn BokehLayerPolygon(uv: vec2f, last: i32, polygon: BokehPolygon) -> BokehTargets
+fn BokehLayerPolygon(uv: vec2f, isFar: bool, last: i32, polygon: BokehPolygon) -> BokehTargets
 {
     let layers: BokehLayerContext = BokehBeginLayers(uv, f32(BOKEH_LAYER_SCALE), 0.0);
     return BokehLayerFirst(BokehColorSamp, BokehColorSampB, BokehLayerCoC(BokehColorSampC, layers,
-        BokehLinearClamp), bokehParameters.BokehLayer > 0.5, last, polygon, layers,
-        BokehLinearClamp);
+        BokehLinearClamp), isFar, last, polygon, layers, BokehLinearClamp);
 }
 
 // blurs one layer, second pass
-fn BokehLayerResult(uv: vec2f, Strip5Samp: texture_2d<f32>, polygon: BokehPolygon) -> vec4f
+fn BokehLayerResult(uv: vec2f, isFar: bool, Strip5Samp: texture_2d<f32>,
+    polygon: BokehPolygon) -> vec4f
 {
     let layers: BokehLayerContext = BokehBeginLayers(uv, f32(BOKEH_LAYER_SCALE), 1.0);
     return BokehLayerSecond(BokehColorSamp, BokehColorSampB, BokehColorSampC, Strip5Samp,
-        BokehLayerCoC(BokehColorSampE, layers, BokehLinearClamp), bokehParameters.BokehLayer >
-        0.5, polygon, layers, BokehLinearClamp);
+        BokehLayerCoC(BokehColorSampE, layers, BokehLinearClamp), isFar, polygon, layers,
+        BokehLinearClamp);
 }
 
 // blurs both layers, first pass of a square or a hexagon
@@ -595,10 +592,16 @@ fn BokehBothResults(uv: vec2f, NearStrip3Samp: texture_2d<f32>, FarStrip3Samp: t
     return BokehTileMax(BokehColorSamp, BokehBeginTiles(input.uv));
 }
 
-@fragment fn BokehTileDilate_PS(input: BokehVertex) -> @location(0) vec4f
+@fragment fn BokehTileDilateRows_PS(input: BokehVertex) -> @location(0) vec4f
 {
-    let axis: vec2f = vec2f(1.0 - bokehParameters.BokehAxis, bokehParameters.BokehAxis);
-    return BokehTileDilate(BokehColorSamp, axis, BokehBeginTiles(input.uv), BokehLinearClamp);
+    return BokehTileDilate(BokehColorSamp, vec2f(1.0, 0.0), BokehBeginTiles(input.uv),
+        BokehLinearClamp);
+}
+
+@fragment fn BokehTileDilateColumns_PS(input: BokehVertex) -> @location(0) vec4f
+{
+    return BokehTileDilate(BokehColorSamp, vec2f(0.0, 1.0), BokehBeginTiles(input.uv),
+        BokehLinearClamp);
 }
 
 @fragment fn BokehPrefilter_PS(input: BokehVertex) -> BokehTargets4
@@ -671,26 +674,48 @@ fn BokehBothResults(uv: vec2f, NearStrip3Samp: texture_2d<f32>, FarStrip3Samp: t
     return BokehTargets2(targets.nearLayer, targets.farLayer);
 }
 
-@fragment fn BokehOctagonLayerFirst_PS(input: BokehVertex) -> BokehTargets3
+@fragment fn BokehOctagonNearFirst_PS(input: BokehVertex) -> BokehTargets3
 {
-    let targets: BokehTargets = BokehLayerPolygon(input.uv, 4, BokehAperture(input.uv, 8));
+    let targets: BokehTargets = BokehLayerPolygon(input.uv, false, 4, BokehAperture(input.uv, 8));
     return BokehTargets3(targets.strip2, targets.strip3, targets.strip4);
 }
 
-@fragment fn BokehOctagonLayerSecond_PS(input: BokehVertex) -> @location(0) vec4f
+@fragment fn BokehOctagonNearSecond_PS(input: BokehVertex) -> @location(0) vec4f
 {
-    return BokehLayerResult(input.uv, BokehColorSampC, BokehAperture(input.uv, 8));
+    return BokehLayerResult(input.uv, false, BokehColorSampC, BokehAperture(input.uv, 8));
 }
 
-@fragment fn BokehDecagonLayerFirst_PS(input: BokehVertex) -> BokehTargets4
+@fragment fn BokehOctagonFarFirst_PS(input: BokehVertex) -> BokehTargets3
 {
-    let targets: BokehTargets = BokehLayerPolygon(input.uv, 5, BokehAperture(input.uv, 10));
+    let targets: BokehTargets = BokehLayerPolygon(input.uv, true, 4, BokehAperture(input.uv, 8));
+    return BokehTargets3(targets.strip2, targets.strip3, targets.strip4);
+}
+
+@fragment fn BokehOctagonFarSecond_PS(input: BokehVertex) -> @location(0) vec4f
+{
+    return BokehLayerResult(input.uv, true, BokehColorSampC, BokehAperture(input.uv, 8));
+}
+
+@fragment fn BokehDecagonNearFirst_PS(input: BokehVertex) -> BokehTargets4
+{
+    let targets: BokehTargets = BokehLayerPolygon(input.uv, false, 5, BokehAperture(input.uv, 10));
     return BokehTargets4(targets.strip2, targets.strip3, targets.strip4, targets.strip5);
 }
 
-@fragment fn BokehDecagonLayerSecond_PS(input: BokehVertex) -> @location(0) vec4f
+@fragment fn BokehDecagonNearSecond_PS(input: BokehVertex) -> @location(0) vec4f
 {
-    return BokehLayerResult(input.uv, BokehColorSampD, BokehAperture(input.uv, 10));
+    return BokehLayerResult(input.uv, false, BokehColorSampD, BokehAperture(input.uv, 10));
+}
+
+@fragment fn BokehDecagonFarFirst_PS(input: BokehVertex) -> BokehTargets4
+{
+    let targets: BokehTargets = BokehLayerPolygon(input.uv, true, 5, BokehAperture(input.uv, 10));
+    return BokehTargets4(targets.strip2, targets.strip3, targets.strip4, targets.strip5);
+}
+
+@fragment fn BokehDecagonFarSecond_PS(input: BokehVertex) -> @location(0) vec4f
+{
+    return BokehLayerResult(input.uv, true, BokehColorSampD, BokehAperture(input.uv, 10));
 }
 
 @fragment fn BokehComposite_PS(input: BokehVertex) -> @location(0) vec4f
@@ -748,15 +773,27 @@ fn BokehBothResults(uv: vec2f, NearStrip3Samp: texture_2d<f32>, FarStrip3Samp: t
 }
 
 // writes one target of the first blur pass of one layer, for any polygon
-@fragment fn BokehLayerEdge_PS(input: BokehVertex) -> @location(0) vec4f
+@fragment fn BokehNearEdge_PS(input: BokehVertex) -> @location(0) vec4f
 {
-    let targets: BokehTargets = BokehLayerPolygon(input.uv, BOKEH_TARGET_INDEX + 2,
+    let targets: BokehTargets = BokehLayerPolygon(input.uv, false, BOKEH_TARGET_INDEX + 2,
+        BokehAnyAperture(input.uv));
+    return BokehSelectTarget(targets.strip2, targets.strip3, targets.strip4, targets.strip5);
+}
+
+@fragment fn BokehFarEdge_PS(input: BokehVertex) -> @location(0) vec4f
+{
+    let targets: BokehTargets = BokehLayerPolygon(input.uv, true, BOKEH_TARGET_INDEX + 2,
         BokehAnyAperture(input.uv));
     return BokehSelectTarget(targets.strip2, targets.strip3, targets.strip4, targets.strip5);
 }
 
 // writes one blurred layer, for any polygon: the second blur pass
-@fragment fn BokehLayerSecondOne_PS(input: BokehVertex) -> @location(0) vec4f
+@fragment fn BokehNearSecondOne_PS(input: BokehVertex) -> @location(0) vec4f
 {
-    return BokehLayerResult(input.uv, BokehColorSampD, BokehAnyAperture(input.uv));
+    return BokehLayerResult(input.uv, false, BokehColorSampD, BokehAnyAperture(input.uv));
+}
+
+@fragment fn BokehFarSecondOne_PS(input: BokehVertex) -> @location(0) vec4f
+{
+    return BokehLayerResult(input.uv, true, BokehColorSampD, BokehAnyAperture(input.uv));
 }

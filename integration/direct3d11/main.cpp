@@ -49,8 +49,8 @@ static const int COLOR_REGISTERS[] = {0, 2, 3, 4, 6, 7}, DEPTH_REGISTER = 1;
 static const std::vector<Pass> LAYERED_HEXAGON = {
     {"BokehSignedCoCMap_PS", "color", "coc", 1, {}},
     {"BokehTileMax_PS", "coc", "tiles", 8, {}},
-    {"BokehTileDilate_PS", "tiles", "tiles_along_rows", 8, {{&BokehParameters::Axis, 0.0f}}},
-    {"BokehTileDilate_PS", "tiles_along_rows", "dilated_tiles", 8, {{&BokehParameters::Axis, 1.0f}}},
+    {"BokehTileDilateRows_PS", "tiles", "tiles_along_rows", 8, {}},
+    {"BokehTileDilateColumns_PS", "tiles_along_rows", "dilated_tiles", 8, {}},
     {"BokehPrefilter_PS", "coc dilated_tiles", "near far layer_coc_sums gather_coc", 2, {}},
     {"BokehLayerCoCReduce_PS", "layer_coc_sums gather_coc", "tile_gather_coc tile_coc_sums", 8, {}},
     {"BokehLayerCoCRows_PS", "tile_gather_coc tile_coc_sums dilated_tiles", "row_gather_coc row_coc_sums", 8, {}},

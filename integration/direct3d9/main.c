@@ -61,8 +61,8 @@ enum { DEPTH_SLOT = 1 };
 static const Pass LAYERED_HEXAGON[MAX_PASSES] = {
     {"BokehSignedCoCMap_PS", "color", "coc", 1, D3DTEXF_POINT},
     {"BokehTileMax_PS", "coc", "tiles", 8, D3DTEXF_POINT},
-    {"BokehTileDilate_PS", "tiles", "tiles_along_rows", 8, D3DTEXF_LINEAR, {PARAMETER(Axis), 0.0f}},
-    {"BokehTileDilate_PS", "tiles_along_rows", "dilated_tiles", 8, D3DTEXF_LINEAR, {PARAMETER(Axis), 1.0f}},
+    {"BokehTileDilateRows_PS", "tiles", "tiles_along_rows", 8, D3DTEXF_LINEAR},
+    {"BokehTileDilateColumns_PS", "tiles_along_rows", "dilated_tiles", 8, D3DTEXF_LINEAR},
     {"BokehPrefilter_PS", "coc dilated_tiles", "near far layer_coc_sums gather_coc", 2, D3DTEXF_LINEAR},
     {"BokehLayerCoCReduce_PS", "layer_coc_sums gather_coc", "tile_gather_coc tile_coc_sums", 8, D3DTEXF_POINT},
     {"BokehLayerCoCRows_PS", "tile_gather_coc tile_coc_sums dilated_tiles", "row_gather_coc row_coc_sums", 8, D3DTEXF_LINEAR},

@@ -36,8 +36,8 @@ public class BokehFilter extends Filter {
     public static final BokehFilter.Step[] HEXAGON = {
         new BokehFilter.Step(BokehPass.SIGNED_COC_MAP, "scene", "coc", 1, Map.of()),
         new BokehFilter.Step(BokehPass.TILE_MAX, "coc", "tiles", 8, Map.of()),
-        new BokehFilter.Step(BokehPass.TILE_DILATE, "tiles", "tilesAlongRows", 8, Map.of("Axis", 0f)),
-        new BokehFilter.Step(BokehPass.TILE_DILATE, "tilesAlongRows", "dilatedTiles", 8, Map.of("Axis", 1f)),
+        new BokehFilter.Step(BokehPass.TILE_DILATE_ROWS, "tiles", "tilesAlongRows", 8, Map.of()),
+        new BokehFilter.Step(BokehPass.TILE_DILATE_COLUMNS, "tilesAlongRows", "dilatedTiles", 8, Map.of()),
         new BokehFilter.Step(BokehPass.PREFILTER, "coc dilatedTiles", "near far layerCocSums gatherCoc", 2, Map.of()),
         new BokehFilter.Step(BokehPass.LAYER_COC_REDUCE, "layerCocSums gatherCoc", "tileGatherCoc tileCocSums", 8, Map.of()),
         new BokehFilter.Step(BokehPass.LAYER_COC_ROWS, "tileGatherCoc tileCocSums dilatedTiles", "rowGatherCoc rowCocSums", 8, Map.of()),

@@ -22,8 +22,8 @@ HALF, FLOAT = rl.PIXELFORMAT_UNCOMPRESSED_R16G16B16A16, rl.PIXELFORMAT_UNCOMPRES
 HEXAGON = [
     ("SIGNED_COC_MAP", "color", "coc", 1, {}),
     ("TILE_MAX", "coc", "tiles", 8, {}),
-    ("TILE_DILATE", "tiles", "tiles_along_rows", 8, {"BokehAxis": 0}),
-    ("TILE_DILATE", "tiles_along_rows", "dilated_tiles", 8, {"BokehAxis": 1}),
+    ("TILE_DILATE_ROWS", "tiles", "tiles_along_rows", 8, {}),
+    ("TILE_DILATE_COLUMNS", "tiles_along_rows", "dilated_tiles", 8, {}),
     ("PREFILTER", "coc dilated_tiles", "near far layer_coc_sums gather_coc", 2, {}),
     ("LAYER_COC_REDUCE", "layer_coc_sums gather_coc", "tile_gather_coc tile_coc_sums", 8, {}),
     ("LAYER_COC_ROWS", "tile_gather_coc tile_coc_sums dilated_tiles", "row_gather_coc row_coc_sums", 8, {}),

@@ -133,7 +133,7 @@ struct PolygonBokeh : BokehDevice {
         parameters.AspectRatio = (float)size.width / size.height;
         parameters.ImageWidth = (float)size.width;
         parameters.ImageHeight = (float)size.height;
-        blocks = make_buffer(BLOCK * 2 * FRAMES, vk::BufferUsageFlagBits::eUniformBuffer, mapped);
+        blocks = make_buffer(BLOCK * FRAMES, vk::BufferUsageFlagBits::eUniformBuffer, mapped);
         make_targets(size);
         make_sets(color, depth);
         const vk::UniqueShaderModule vertex = load(folder, "BokehFullScreen");
@@ -149,10 +149,14 @@ struct PolygonBokeh : BokehDevice {
     // layout of READ. After the call, targets["result"] is readable in the same way.
     void record(vk::CommandBuffer commands, uint32_t number)
     {
+        BokehParameters values = parameters;
+        values.Sides = (float)frame.front().sides;
+        memcpy(mapped + offset(number), &values, sizeof values);
         for (size_t i = 0; i < frame.size(); i++)
             record_pass(commands, number, i);
     }
 
+    // Records one pass with the parameters that record() copied for this number of a frame
     void record_pass(vk::CommandBuffer commands, uint32_t number, size_t index)
     {
         std::vector<vk::RenderingAttachmentInfo> attachments;
@@ -165,16 +169,10 @@ struct PolygonBokeh : BokehDevice {
             attachments.emplace_back(targets[name].view, WRITE.layout).setLoadOp(vk::AttachmentLoadOp::eDontCare);
             area.extent = targets[name].size;
         }
-        // The device reads the parameters only when it executes the commands. One copy would have the values of the
-        // last pass then, so each frame has two copies.
-        const uint32_t offset = uint32_t(BLOCK * (number % FRAMES * 2 + frame[index].copy));
-        BokehParameters values = parameters;
-        values.Axis = values.Layer = (float)frame[index].copy;
-        values.Sides = (float)frame[index].sides;
-        memcpy(mapped + offset, &values, sizeof values);
         commands.beginRendering({{}, area, 1, 0, attachments});
         commands.bindPipeline(vk::PipelineBindPoint::eGraphics, *pipelines[index]);
-        commands.bindDescriptorSets(vk::PipelineBindPoint::eGraphics, *layout, 0, sets[index], offset);
+        commands.bindDescriptorSets(vk::PipelineBindPoint::eGraphics, *layout, 0, sets[index],
+                                    offset(number));
         commands.draw(3, 1, 0, 0); // BokehFullScreen makes the vertices
         commands.endRendering();
         for (const std::string &name : frame[index].writes)
@@ -182,7 +180,7 @@ struct PolygonBokeh : BokehDevice {
     }
 
 private:
-    static constexpr vk::DeviceSize BLOCK = 256; // bytes between two copies; no device may require a larger alignment
+    static constexpr vk::DeviceSize BLOCK = 256; // bytes between two frames; no device may require a larger alignment
     // Bindings of descriptor set 0: the parameters, BokehColorSamp and BokehColorSampB to F, BokehDepthSamp, and the
     // sampler of HLSL
     static constexpr uint32_t PARAMETERS = 0, COLORS[] = {1, 3, 4, 5, 8, 9}, DEPTH = 2, SAMPLER = 7;
@@ -195,6 +193,9 @@ private:
     vk::UniqueDescriptorPool pool;
     std::vector<vk::DescriptorSet> sets; // one for each pass
     std::vector<vk::UniquePipeline> pipelines;
+
+    // The device reads the parameters only when it executes the commands, so each frame in flight has its own copy
+    static uint32_t offset(uint32_t number) { return uint32_t(BLOCK * (number % FRAMES)); }
 
     void make_targets(vk::Extent2D size)
     {

@@ -95,7 +95,7 @@ static void draw(vk::PhysicalDevice gpu, vk::Device device, bool hlsl, std::stri
     size_t bytes = 0, result = 8 * size.width * size.height;
     const auto copies = own.make_buffer(4 * result * frame.size(), vk::BufferUsageFlagBits::eTransferDst, mapped);
     for (size_t i = 0; i < frame.size(); i++) {
-        bokeh.record_pass(commands, 1, i);
+        bokeh.record_pass(commands, 0, i);
         for (const std::string &written : frame[i].writes) {
             const auto &[image, view, area] = bokeh.targets[written];
             const vk::BufferImageCopy all(bytes, 0, 0, {COLOR, 0, 0, 1}, {}, {area.width, area.height, 1});

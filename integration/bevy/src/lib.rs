@@ -261,8 +261,6 @@ pub struct Pass {
 enum Own {
     /// Degrees, added to the polygon's rotation.
     Angle(f32),
-    Axis(f32),
-    Layer(f32),
     Sides(f32),
 }
 
@@ -349,8 +347,6 @@ impl Bokeh {
         for own in pass.sets {
             match own {
                 Own::Angle(degrees) => parameters.angle += degrees.to_radians(),
-                Own::Axis(axis) => parameters.axis = *axis,
-                Own::Layer(layer) => parameters.layer = *layer,
                 Own::Sides(sides) => parameters.sides = *sides,
             }
         }
@@ -394,8 +390,6 @@ struct BokehParameters {
     texture_width: f32,
     texture_height: f32,
     pass_index: f32,
-    axis: f32,
-    layer: f32,
     cats_eye: f32,
     roundness: f32,
     lateral: f32,

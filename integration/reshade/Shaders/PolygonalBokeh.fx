@@ -276,13 +276,13 @@ void LayeredTileMax1PS(float4 position : SV_Position, float2 uv : TEXCOORD, out 
     target0 = BokehTileMax(Layered0, layers);
 }
 
-void LayeredTileDilate2PS(float4 position : SV_Position, float2 uv : TEXCOORD, out float4 target0 : SV_Target0)
+void LayeredTileDilateRows2PS(float4 position : SV_Position, float2 uv : TEXCOORD, out float4 target0 : SV_Target0)
 {
     BokehLayerContext layers = Layers(uv);
     target0 = BokehTileDilate(Layered1, float2(1.0, 0.0), layers);
 }
 
-void LayeredTileDilate3PS(float4 position : SV_Position, float2 uv : TEXCOORD, out float4 target0 : SV_Target0)
+void LayeredTileDilateColumns3PS(float4 position : SV_Position, float2 uv : TEXCOORD, out float4 target0 : SV_Target0)
 {
     BokehLayerContext layers = Layers(uv);
     target0 = BokehTileDilate(Layered2, float2(0.0, 1.0), layers);
@@ -376,8 +376,8 @@ technique PolygonalBokeh < ui_tooltip = "Looks like a lens: blurred near objects
     pass { VertexShader = PostProcessVS; PixelShader = KeepFocusPS; RenderTarget = PolygonalBokehFocusBefore; }
     pass { VertexShader = PostProcessVS; PixelShader = MapPS; RenderTarget0 = PolygonalBokehLayered0; }
     pass { VertexShader = PostProcessVS; PixelShader = LayeredTileMax1PS; RenderTarget0 = PolygonalBokehLayered1; }
-    pass { VertexShader = PostProcessVS; PixelShader = LayeredTileDilate2PS; RenderTarget0 = PolygonalBokehLayered2; }
-    pass { VertexShader = PostProcessVS; PixelShader = LayeredTileDilate3PS; RenderTarget0 = PolygonalBokehLayered1; }
+    pass { VertexShader = PostProcessVS; PixelShader = LayeredTileDilateRows2PS; RenderTarget0 = PolygonalBokehLayered2; }
+    pass { VertexShader = PostProcessVS; PixelShader = LayeredTileDilateColumns3PS; RenderTarget0 = PolygonalBokehLayered1; }
     pass { VertexShader = PostProcessVS; PixelShader = LayeredPrefilter4PS; RenderTarget0 = PolygonalBokehLayered3; RenderTarget1 = PolygonalBokehLayered4; RenderTarget2 = PolygonalBokehLayered5; RenderTarget3 = PolygonalBokehLayered6; }
     pass { VertexShader = PostProcessVS; PixelShader = LayeredLayerCoCReduce5PS; RenderTarget0 = PolygonalBokehLayered2; RenderTarget1 = PolygonalBokehLayered7; }
     pass { VertexShader = PostProcessVS; PixelShader = LayeredLayerCoCRows6PS; RenderTarget0 = PolygonalBokehLayered8; RenderTarget1 = PolygonalBokehLayered9; }

@@ -25,7 +25,7 @@ namespace PolygonalBokeh
         public readonly string[] writes;
         public readonly int scale;
         // parameters whose values differ from pass to pass; Angle is in degrees, without the volume's rotation
-        public float Axis, Layer, Sides, Angle;
+        public float Sides, Angle;
 
         public BokehStep(BokehShaderPass pass, string reads, string writes, int scale)
         {
@@ -296,8 +296,6 @@ namespace PolygonalBokeh
                 Properties.SetFloat(BokehFrames.DepthKind, values.depthKind);
                 Properties.SetFloat(BokehFrames.Near, values.near);
                 Properties.SetFloat(BokehFrames.Far, values.far);
-                Properties.SetFloat(BokehFrames.Axis, step.Axis);
-                Properties.SetFloat(BokehFrames.Layer, step.Layer);
                 Properties.SetFloat(BokehFrames.Sides, step.Sides);
                 // v grows upwards in Unity, so the shaders' angle is counter-clockwise, and the rotation is subtracted
                 Properties.SetFloat(BokehFrames.Angle, Mathf.Deg2Rad * (step.Angle - values.rotation));

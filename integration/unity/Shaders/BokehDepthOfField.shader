@@ -39,8 +39,6 @@ Shader "Hidden/BokehDepthOfField"
         BokehTextureWidth ("TextureWidth", Float) = 1.0
         BokehTextureHeight ("TextureHeight", Float) = 1.0
         BokehPassIndex ("PassIndex", Float) = 0.0
-        BokehAxis ("Axis", Float) = 0.0
-        BokehLayer ("Layer", Float) = 0.0
         BokehCatsEye ("CatsEye", Float) = 0.0
         BokehRoundness ("Roundness", Float) = 1.0
         BokehLateral ("Lateral", Float) = 0.0
@@ -162,9 +160,13 @@ Shader "Hidden/BokehDepthOfField"
             #pragma vertex FullScreenVertex
             #pragma fragment BokehTileMax_PS
         ENDHLSL }
-        Pass { Name "TileDilate" HLSLPROGRAM
+        Pass { Name "TileDilateRows" HLSLPROGRAM
             #pragma vertex FullScreenVertex
-            #pragma fragment BokehTileDilate_PS
+            #pragma fragment BokehTileDilateRows_PS
+        ENDHLSL }
+        Pass { Name "TileDilateColumns" HLSLPROGRAM
+            #pragma vertex FullScreenVertex
+            #pragma fragment BokehTileDilateColumns_PS
         ENDHLSL }
         Pass { Name "Prefilter" HLSLPROGRAM
             #pragma vertex FullScreenVertex
@@ -206,21 +208,37 @@ Shader "Hidden/BokehDepthOfField"
             #pragma vertex FullScreenVertex
             #pragma fragment BokehHexagonLayerSecond_PS
         ENDHLSL }
-        Pass { Name "OctagonLayerFirst" HLSLPROGRAM
+        Pass { Name "OctagonNearFirst" HLSLPROGRAM
             #pragma vertex FullScreenVertex
-            #pragma fragment BokehOctagonLayerFirst_PS
+            #pragma fragment BokehOctagonNearFirst_PS
         ENDHLSL }
-        Pass { Name "OctagonLayerSecond" HLSLPROGRAM
+        Pass { Name "OctagonNearSecond" HLSLPROGRAM
             #pragma vertex FullScreenVertex
-            #pragma fragment BokehOctagonLayerSecond_PS
+            #pragma fragment BokehOctagonNearSecond_PS
         ENDHLSL }
-        Pass { Name "DecagonLayerFirst" HLSLPROGRAM
+        Pass { Name "OctagonFarFirst" HLSLPROGRAM
             #pragma vertex FullScreenVertex
-            #pragma fragment BokehDecagonLayerFirst_PS
+            #pragma fragment BokehOctagonFarFirst_PS
         ENDHLSL }
-        Pass { Name "DecagonLayerSecond" HLSLPROGRAM
+        Pass { Name "OctagonFarSecond" HLSLPROGRAM
             #pragma vertex FullScreenVertex
-            #pragma fragment BokehDecagonLayerSecond_PS
+            #pragma fragment BokehOctagonFarSecond_PS
+        ENDHLSL }
+        Pass { Name "DecagonNearFirst" HLSLPROGRAM
+            #pragma vertex FullScreenVertex
+            #pragma fragment BokehDecagonNearFirst_PS
+        ENDHLSL }
+        Pass { Name "DecagonNearSecond" HLSLPROGRAM
+            #pragma vertex FullScreenVertex
+            #pragma fragment BokehDecagonNearSecond_PS
+        ENDHLSL }
+        Pass { Name "DecagonFarFirst" HLSLPROGRAM
+            #pragma vertex FullScreenVertex
+            #pragma fragment BokehDecagonFarFirst_PS
+        ENDHLSL }
+        Pass { Name "DecagonFarSecond" HLSLPROGRAM
+            #pragma vertex FullScreenVertex
+            #pragma fragment BokehDecagonFarSecond_PS
         ENDHLSL }
         Pass { Name "Composite" ColorMask RGB HLSLPROGRAM
             #pragma vertex FullScreenVertex

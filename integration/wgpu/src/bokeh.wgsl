@@ -2186,8 +2186,6 @@ BokehViewportY: f32,
 BokehTextureWidth: f32,
 BokehTextureHeight: f32,
 BokehPassIndex: f32,
-BokehAxis: f32,
-BokehLayer: f32,
 BokehCatsEye: f32,
 BokehRoundness: f32,
 BokehLateral: f32,
@@ -2390,19 +2388,19 @@ fn BokehBeginTiles(uv: vec2f) -> BokehLayerContext
 {
 return BokehBeginLayers(uv, 1.0, 0.0);
 }
-fn BokehLayerPolygon(uv: vec2f, last: i32, polygon: BokehPolygon) -> BokehTargets
+fn BokehLayerPolygon(uv: vec2f, isFar: bool, last: i32, polygon: BokehPolygon) -> BokehTargets
 {
 let layers: BokehLayerContext = BokehBeginLayers(uv, f32(BOKEH_LAYER_SCALE), 0.0);
 return BokehLayerFirst(BokehColorSamp, BokehColorSampB, BokehLayerCoC(BokehColorSampC, layers,
-BokehLinearClamp), bokehParameters.BokehLayer > 0.5, last, polygon, layers,
-BokehLinearClamp);
+BokehLinearClamp), isFar, last, polygon, layers, BokehLinearClamp);
 }
-fn BokehLayerResult(uv: vec2f, Strip5Samp: texture_2d<f32>, polygon: BokehPolygon) -> vec4f
+fn BokehLayerResult(uv: vec2f, isFar: bool, Strip5Samp: texture_2d<f32>,
+polygon: BokehPolygon) -> vec4f
 {
 let layers: BokehLayerContext = BokehBeginLayers(uv, f32(BOKEH_LAYER_SCALE), 1.0);
 return BokehLayerSecond(BokehColorSamp, BokehColorSampB, BokehColorSampC, Strip5Samp,
-BokehLayerCoC(BokehColorSampE, layers, BokehLinearClamp), bokehParameters.BokehLayer >
-0.5, polygon, layers, BokehLinearClamp);
+BokehLayerCoC(BokehColorSampE, layers, BokehLinearClamp), isFar, polygon, layers,
+BokehLinearClamp);
 }
 fn BokehBothPolygons(uv: vec2f, sides: i32) -> BokehLayersTargets
 {
@@ -2583,10 +2581,15 @@ BokehLinearClamp);
 {
 return BokehTileMax(BokehColorSamp, BokehBeginTiles(input.uv));
 }
-@fragment fn BokehTileDilate_PS(input: BokehVertex) -> @location(0) vec4f
+@fragment fn BokehTileDilateRows_PS(input: BokehVertex) -> @location(0) vec4f
 {
-let axis: vec2f = vec2f(1.0 - bokehParameters.BokehAxis, bokehParameters.BokehAxis);
-return BokehTileDilate(BokehColorSamp, axis, BokehBeginTiles(input.uv), BokehLinearClamp);
+return BokehTileDilate(BokehColorSamp, vec2f(1.0, 0.0), BokehBeginTiles(input.uv),
+BokehLinearClamp);
+}
+@fragment fn BokehTileDilateColumns_PS(input: BokehVertex) -> @location(0) vec4f
+{
+return BokehTileDilate(BokehColorSamp, vec2f(0.0, 1.0), BokehBeginTiles(input.uv),
+BokehLinearClamp);
 }
 @fragment fn BokehPrefilter_PS(input: BokehVertex) -> BokehTargets4
 {
@@ -2648,23 +2651,41 @@ targets.farStrip3);
 let targets: BokehBlurred = BokehBothResults(input.uv, BokehColorSampC, BokehColorSampD, 6);
 return BokehTargets2(targets.nearLayer, targets.farLayer);
 }
-@fragment fn BokehOctagonLayerFirst_PS(input: BokehVertex) -> BokehTargets3
+@fragment fn BokehOctagonNearFirst_PS(input: BokehVertex) -> BokehTargets3
 {
-let targets: BokehTargets = BokehLayerPolygon(input.uv, 4, BokehAperture(input.uv, 8));
+let targets: BokehTargets = BokehLayerPolygon(input.uv, false, 4, BokehAperture(input.uv, 8));
 return BokehTargets3(targets.strip2, targets.strip3, targets.strip4);
 }
-@fragment fn BokehOctagonLayerSecond_PS(input: BokehVertex) -> @location(0) vec4f
+@fragment fn BokehOctagonNearSecond_PS(input: BokehVertex) -> @location(0) vec4f
 {
-return BokehLayerResult(input.uv, BokehColorSampC, BokehAperture(input.uv, 8));
+return BokehLayerResult(input.uv, false, BokehColorSampC, BokehAperture(input.uv, 8));
 }
-@fragment fn BokehDecagonLayerFirst_PS(input: BokehVertex) -> BokehTargets4
+@fragment fn BokehOctagonFarFirst_PS(input: BokehVertex) -> BokehTargets3
 {
-let targets: BokehTargets = BokehLayerPolygon(input.uv, 5, BokehAperture(input.uv, 10));
+let targets: BokehTargets = BokehLayerPolygon(input.uv, true, 4, BokehAperture(input.uv, 8));
+return BokehTargets3(targets.strip2, targets.strip3, targets.strip4);
+}
+@fragment fn BokehOctagonFarSecond_PS(input: BokehVertex) -> @location(0) vec4f
+{
+return BokehLayerResult(input.uv, true, BokehColorSampC, BokehAperture(input.uv, 8));
+}
+@fragment fn BokehDecagonNearFirst_PS(input: BokehVertex) -> BokehTargets4
+{
+let targets: BokehTargets = BokehLayerPolygon(input.uv, false, 5, BokehAperture(input.uv, 10));
 return BokehTargets4(targets.strip2, targets.strip3, targets.strip4, targets.strip5);
 }
-@fragment fn BokehDecagonLayerSecond_PS(input: BokehVertex) -> @location(0) vec4f
+@fragment fn BokehDecagonNearSecond_PS(input: BokehVertex) -> @location(0) vec4f
 {
-return BokehLayerResult(input.uv, BokehColorSampD, BokehAperture(input.uv, 10));
+return BokehLayerResult(input.uv, false, BokehColorSampD, BokehAperture(input.uv, 10));
+}
+@fragment fn BokehDecagonFarFirst_PS(input: BokehVertex) -> BokehTargets4
+{
+let targets: BokehTargets = BokehLayerPolygon(input.uv, true, 5, BokehAperture(input.uv, 10));
+return BokehTargets4(targets.strip2, targets.strip3, targets.strip4, targets.strip5);
+}
+@fragment fn BokehDecagonFarSecond_PS(input: BokehVertex) -> @location(0) vec4f
+{
+return BokehLayerResult(input.uv, true, BokehColorSampD, BokehAperture(input.uv, 10));
 }
 @fragment fn BokehComposite_PS(input: BokehVertex) -> @location(0) vec4f
 {
@@ -2712,13 +2733,23 @@ let targets: BokehFilled = BokehHoleFill(BokehColorSamp, BokehColorSampB, BokehC
 BokehAnyAperture(input.uv), BokehBeginLayers(input.uv, 4.0, 0.0), BokehLinearClamp);
 return BokehSelectTarget(targets.midFill, targets.farFill, targets.farFill, targets.farFill);
 }
-@fragment fn BokehLayerEdge_PS(input: BokehVertex) -> @location(0) vec4f
+@fragment fn BokehNearEdge_PS(input: BokehVertex) -> @location(0) vec4f
 {
-let targets: BokehTargets = BokehLayerPolygon(input.uv, BOKEH_TARGET_INDEX + 2,
+let targets: BokehTargets = BokehLayerPolygon(input.uv, false, BOKEH_TARGET_INDEX + 2,
 BokehAnyAperture(input.uv));
 return BokehSelectTarget(targets.strip2, targets.strip3, targets.strip4, targets.strip5);
 }
-@fragment fn BokehLayerSecondOne_PS(input: BokehVertex) -> @location(0) vec4f
+@fragment fn BokehFarEdge_PS(input: BokehVertex) -> @location(0) vec4f
 {
-return BokehLayerResult(input.uv, BokehColorSampD, BokehAnyAperture(input.uv));
+let targets: BokehTargets = BokehLayerPolygon(input.uv, true, BOKEH_TARGET_INDEX + 2,
+BokehAnyAperture(input.uv));
+return BokehSelectTarget(targets.strip2, targets.strip3, targets.strip4, targets.strip5);
+}
+@fragment fn BokehNearSecondOne_PS(input: BokehVertex) -> @location(0) vec4f
+{
+return BokehLayerResult(input.uv, false, BokehColorSampD, BokehAnyAperture(input.uv));
+}
+@fragment fn BokehFarSecondOne_PS(input: BokehVertex) -> @location(0) vec4f
+{
+return BokehLayerResult(input.uv, true, BokehColorSampD, BokehAnyAperture(input.uv));
 }

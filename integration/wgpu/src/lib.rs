@@ -191,8 +191,6 @@ const PARAMETERS: u32 = 0;
 const SAMPLER: u32 = 7;
 const DEPTH: u32 = 2;
 const COLORS: [u32; 6] = [1, 3, 4, 5, 8, 9];
-/// The distance between the two blocks of parameters in bytes. No device may require a larger alignment of offsets.
-const BLOCK: u64 = 256;
 const DEBUG_PASS: Pass = Pass {
     entry: "BokehDebug_PS",
     reads: &["coc"],
@@ -200,7 +198,6 @@ const DEBUG_PASS: Pass = Pass {
     memory: &[],
     scale: 1,
     linear: true,
-    second: false,
 };
 
 impl Bokeh {
@@ -252,7 +249,7 @@ impl Bokeh {
         let (width, height) = (color.width(), color.height());
         let parameters = device.create_buffer(&BufferDescriptor {
             label: Some("bokeh"),
-            size: BLOCK + BokehParameters::SIZE,
+            size: BokehParameters::SIZE,
             usage: BufferUsages::UNIFORM | BufferUsages::COPY_DST,
             mapped_at_creation: false,
         });
@@ -285,11 +282,7 @@ impl Bokeh {
         let step = |pipeline: &RenderPipeline, pass: &'static Pass, depth: Option<&TextureView>| {
             let mut entries = vec![BindGroupEntry {
                 binding: PARAMETERS,
-                resource: BindingResource::Buffer(BufferBinding {
-                    buffer: &parameters,
-                    offset: if pass.second { BLOCK } else { 0 },
-                    size: BufferSize::new(BokehParameters::SIZE),
-                }),
+                resource: parameters.as_entire_binding(),
             }];
             let colors = pass.reads.iter().zip(COLORS).filter(|(name, _)| **name != "-");
             let textures = colors.map(|(name, binding)| (binding, &views[name]));
@@ -419,10 +412,7 @@ impl Bokeh {
         };
         lens.set(&mut parameters);
         depth.set(&mut parameters);
-        for (number, offset) in [(0.0, 0), (1.0, BLOCK)] {
-            (parameters.axis, parameters.layer) = (number, number);
-            queue.write_buffer(&targets.parameters, offset, &parameters.bytes());
-        }
+        queue.write_buffer(&targets.parameters, 0, &parameters.bytes());
         let steps = if lens.debug.is_some() { &targets.steps[..1] } else { &targets.steps[..] };
         for step in steps.iter().chain(lens.debug.map(|_| &targets.debug)) {
             step.record(encoder, viewport, self.has_viewport);

@@ -14,6 +14,7 @@ from bokeh_validation.shaders.passes import PAPER_SAMPLES, USUAL_SPACING, Pass
 # The shaders' names for the fields of Camera, in the same order
 LENS = ("BokehApertureDiameter", "BokehFocalLength", "BokehFocusDistance", "BokehSensorHeight", "BokehMaxCoC")
 FOCUS = {"Range": ("Front", "Back"), "Scale": ("Near", "Far"), "MaxCoC": ("Near", "Far")}
+LAYER_NAMES = ("near", "far")
 # Preset of layered -> rings of the gather, samples on an edge of the layers, whether layers are enlarged bicubically,
 # size of the image / size of a layer
 PRESET_CONSTANTS = ("BOKEH_LAYER_RINGS", "BOKEH_LAYER_SAMPLES", "BOKEH_LAYER_CUBIC", "BOKEH_LAYER_SCALE")
@@ -262,6 +263,23 @@ def _layer_constants(settings: Settings, size: tuple[int, int]) -> tuple[dict, d
     return common, defines, {"BOKEH_SIDES": sides} if is_regular else {}
 
 
+def _layer_blurs(sides: int, use_mrt: bool) -> list[tuple[str, tuple[str, ...], list[str], tuple[str, ...]]]:
+    """Return what blurs the layers, both together or one after the other.
+
+    Each item has the word in the entries' names, what the first pass reads, the strips between the two passes, and what
+    the second one writes.
+    """
+    numbers = range(2, sides // 2 + 1)
+    if use_mrt and sides in BOTH:
+        strips = [f"{layer} strip {k}" for k in numbers for layer in LAYER_NAMES]
+        return [("Layer", ("near", "near quarter", "far", "far quarter"), strips, ("near blurred", "far blurred"))]
+    strips_of = {layer: [f"{layer} strip {k}" for k in numbers] for layer in LAYER_NAMES}
+    return [
+        (layer.capitalize(), (layer, f"{layer} quarter"), strips, (f"{layer} blurred",))
+        for layer, strips in strips_of.items()
+    ]
+
+
 def layered(settings: Settings, size: tuple[int, int]) -> Plan:
     """Return the plan of the layered method: near and far layers at half size (the preset MOBILE: a quarter), and a
     gather of the rest (bokeh_layers.*).
@@ -269,55 +287,43 @@ def layered(settings: Settings, size: tuple[int, int]) -> Plan:
     The last pass writes 'result'. Without multiple render targets, a pass with several targets is drawn once for each.
     """
     sides = EXACT[settings.aperture]
-    stem = f"Bokeh{settings.aperture.capitalize()}Layer"
     common, defines, known = _layer_constants(settings, size)
     reduced = defines["BOKEH_LAYER_SCALE"]
     passes = [_coc_pass(settings, size, "BokehSignedCoCMap")]
 
-    def add(scale: int, entry: str, inputs: tuple[str, ...], outputs: tuple[str, ...], **changed: float) -> None:
-        values = {**common, **changed}
+    def add(scale: int, entry: str, inputs: tuple[str, ...], outputs: tuple[str, ...], one: str = "") -> None:
         constants = defines | (known if entry in ("BokehHoleFill", "BokehComposite") else {})
         read = dict(zip(COLORS, inputs, strict=False))
-        if settings.use_mrt or (len(outputs) == 1 and entry != stem + "First"):
-            passes.append(Pass(entry, read, outputs, values, settings.count, constants, scale=scale))
+        if settings.use_mrt or (len(outputs) == 1 and not one):
+            passes.append(Pass(entry, read, outputs, common, settings.count, constants, scale=scale))
             return
-        one = "BokehLayerEdge" if entry == stem + "First" else entry + "One"
         for number, name in enumerate(outputs):
-            index = {"BOKEH_TARGET_INDEX": number}
-            passes.append(Pass(one, read, name, values, settings.count, constants | index, scale=scale))
+            indexed = constants | {"BOKEH_TARGET_INDEX": number}
+            passes.append(Pass(one or entry + "One", read, name, common, settings.count, indexed, scale=scale))
 
     dilated, blurs = "dilated tiles", "layer coc"
     of_tiles, of_rows = (tuple(f"{each} {sums}" for sums in ("gather coc", "coc sums")) for each in ("tile", "row"))
-    layers, quarters = ("near", "far"), ("near quarter", "far quarter")
+    quarters = tuple(f"{layer} quarter" for layer in LAYER_NAMES)
     holes, fills = ("mid with holes", "far with holes"), ("mid fill", "far fill")
     add(8, "BokehTileMax", ("coc",), ("tiles",))
-    add(8, "BokehTileDilate", ("tiles",), ("tiles along rows",))
-    add(8, "BokehTileDilate", ("tiles along rows",), (dilated,), BokehAxis=1.0)
-    add(reduced, "BokehPrefilter", ("coc", dilated), (*layers, "layer coc sums", "gather coc"))
+    add(8, "BokehTileDilateRows", ("tiles",), ("tiles along rows",))
+    add(8, "BokehTileDilateColumns", ("tiles along rows",), (dilated,))
+    add(reduced, "BokehPrefilter", ("coc", dilated), (*LAYER_NAMES, "layer coc sums", "gather coc"))
     add(8, "BokehLayerCoCReduce", ("layer coc sums", "gather coc"), of_tiles)
     add(8, "BokehLayerCoCRows", (*of_tiles, dilated), of_rows)
     add(8, "BokehLayerCoCColumns", (*of_rows, dilated), ("gather tiles", blurs))
-    add(4, "BokehDownsample", ("coc", dilated, *layers, blurs), (*holes, *quarters))
+    add(4, "BokehDownsample", ("coc", dilated, *LAYER_NAMES, blurs), (*holes, *quarters))
     add(4, "BokehHoleFill", (*holes, dilated), fills)
-    blurred = {layer: [f"{layer} strip {k}" for k in range(2, sides // 2 + 1)] for layer in layers}
-    together = settings.use_mrt and sides in BOTH
-    for index, (layer, names) in enumerate(blurred.items()):
-        inputs, outputs, values = (layer, f"{layer} quarter"), (f"{layer} blurred",), {"BokehLayer": float(index)}
-        if together:
-            # near and far of strip 2, then near and far of strip 3
-            names = [name for pair in zip(*blurred.values(), strict=True) for name in pair]
-            inputs, values = (layers[0], quarters[0], layers[1], quarters[1]), {}
-            outputs = ("near blurred", "far blurred")
-        add(reduced, stem + "First", (*inputs, blurs), tuple(names), **values)
+    for word, inputs, strips, outputs in _layer_blurs(sides, settings.use_mrt):
+        stem = f"Bokeh{settings.aperture.capitalize()}{word}"
+        add(reduced, stem + "First", (*inputs, blurs), tuple(strips), f"Bokeh{word}Edge")
         second = stem + "Second"
         if not settings.use_mrt:
             # one program for all polygons, which needs a texture in every slot: the last strip fills the unused ones
-            second, names = "BokehLayerSecondOne", names + names[-1:] * 3
+            second, strips = f"Bokeh{word}SecondOne", strips + strips[-1:] * 3
         # the layer CoC is in the fifth slot, whatever the number of strips
-        read = dict(zip(COLORS, names[:4], strict=False)) | {"ColorSampE": blurs}
-        passes.append(Pass(second, read, outputs, common | values, settings.count, defines, scale=reduced))
-        if together:
-            break
+        read = dict(zip(COLORS, strips[:4], strict=False)) | {"ColorSampE": blurs}
+        passes.append(Pass(second, read, outputs, common, settings.count, defines, scale=reduced))
     add(1, "BokehComposite", ("coc", "gather tiles", "near blurred", "far blurred", *fills), ("result",))
     return Plan(tuple(passes), {})
 

@@ -7,7 +7,7 @@ from math import degrees
 from bokeh_validation import plan, shaders
 from bokeh_validation.frame import methods
 from bokeh_validation.shaders import calls
-from bokeh_validation.shaders.entries import ADAPTIVE, COLORS, COPY, EDGE, ENTRIES, EXACT
+from bokeh_validation.shaders.entries import ADAPTIVE, COLORS, COPY, EDGE, ENTRIES, EXACT, LINE
 from bokeh_validation.shaders.passes import Pass
 
 # The samples' names for the inputs of a frame: the engine's depth buffer, and metres for paper
@@ -128,10 +128,8 @@ def _row(step: dict, render_pass: Pass, names: dict[str, str], memory: dict[str,
     )
 
 
-# Arguments that each sample has under the library's names; the last two belong to the line filter, which no sample
-# calls
+# Arguments that each sample has under the library's names
 LOCALS = ("vec2 uv", "BokehPolygon polygon", "BokehLayerContext layers", "BokehSamplingSettings settings")
-LOCALS += ("BOKEH_DEPTH_TEXTURE DepthSamp", "vec2 lineEnd")
 
 
 def call(render_pass: Pass, names: dict[str, str]) -> str:
@@ -143,6 +141,9 @@ def call(render_pass: Pass, names: dict[str, str]) -> str:
     """
     entry, values = render_pass.spec, render_pass.values()
     textures = {slot: names[name] for slot, name in render_pass.inputs.items()}
+    if entry.role == LINE:
+        # samples of the paper's method use ADAPTIVE, or the entry itself
+        return ""
     if entry.role == COPY:
         depth_arguments = f"depth, uv, uv, lens, {DEPTH}" if entry.name == plan.SIGNED_MAP else "metres, uv, lens"
         return f"{entry.name}(color, {depth_arguments})"
@@ -161,12 +162,10 @@ def call(render_pass: Pass, names: dict[str, str]) -> str:
         argument_of = {
             "BOKEH_TEXTURE": sampled,
             "vec2 layerCoC": f"BokehLayerCoC({names.get('layer coc')}, layers)",
-            "vec2 axis": "vec2(0.0, 1.0)" if values["BokehAxis"] else "vec2(1.0, 0.0)",
-            "bool": "true" if values["BokehLayer"] else "false",
             "int": f"{_last(render_pass)}",
             **dict.fromkeys(LOCALS, name),
         }
-        argument = argument_of.get(kind, argument_of.get(f"{kind} {name}"))
+        argument = entry.given.get(name) or argument_of.get(kind) or argument_of.get(f"{kind} {name}")
         if argument is None:
             raise ValueError(f"{function}: say in samples.call() what the samples give for '{kind} {name}'")
         arguments.append(argument)

@@ -1,7 +1,7 @@
 """Describe the entry points of bokeh_passes.*: what each reads, how many targets it writes, and its role."""
 
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
 
 COPY, DEPTH, LATERAL, STEADY, VIEW = "copy", "depth", "lateral", "steady", "view"
 LINE, ADAPTIVE, GRID, TABLE = "line", "adaptive", "grid", "table"
@@ -11,6 +11,8 @@ FIRST, SECOND, EDGE, LAYERS = "first", "second", "edge", "layers"
 EXACT = {"square": 4, "hexagon": 6, "octagon": 8, "decagon": 10}
 # Sides of the layered polygons for which one pass draws both layers, since that takes four targets at most
 BOTH = (4, 6)
+# Layer, as it is called in the names of the entries that blur it alone -> Entry.given
+ONE_LAYER = {"Near": {"isFar": "false"}, "Far": {"isFar": "true"}}
 COLORS = ("ColorSamp", "ColorSampB", "ColorSampC", "ColorSampD", "ColorSampE", "ColorSampF")
 
 
@@ -46,6 +48,7 @@ class Entry:
     sides     of its polygon; 0 if a parameter sets them, or if it has no polygon
     layers    whether it belongs to bokeh_layers.*
     whole     name of the entry with several targets of which it writes one, number BOKEH_TARGET_INDEX
+    given     parameter of the library's function -> the literal that this entry passes, in GLSL
     fetches   for passes of the layers other than lines: the maximum per texel; for several targets, followed by the
               maximum of each target drawn alone, whose program omits the fetches that only the others need
     """
@@ -57,29 +60,42 @@ class Entry:
     sides: int = 0
     layers: bool = False
     whole: str = ""
+    given: Mapping[str, str] = field(default_factory=dict)
     fetches: Callable[[Most], tuple[int, ...]] | None = None
 
 
-def _polygon(word: str, sides: int, layers: bool = False) -> tuple[Entry, Entry]:
-    """Return the two passes of an exact polygon.
-
-    In passes of layers the layer CoC has its own slot, the fifth of the second pass. For sides in BOTH, both layers
-    are drawn in one pass.
-    """
-    both = 2 if layers and sides in BOTH else 1
-    between = both * (sides // 2 - 1)
-    stem = f"Bokeh{word.capitalize()}{'Layer' if layers else ''}"
-    first, second = COLORS[:1], COLORS[:between]
-    if layers:
-        first, second = COLORS[: 2 * both + 1], (*second, COLORS[4])
+def _polygon(word: str, sides: int) -> tuple[Entry, Entry]:
+    """Return the two passes of an exact polygon."""
+    stem, between = f"Bokeh{word.capitalize()}", sides // 2 - 1
     return (
-        Entry(f"{stem}First", FIRST, first, between, sides, layers),
-        Entry(f"{stem}Second", SECOND, second, both, sides, layers),
+        Entry(f"{stem}First", FIRST, COLORS[:1], between, sides),
+        Entry(f"{stem}Second", SECOND, COLORS[:between], sides=sides),
     )
 
 
-def _layers(name: str, textures: int, targets: int, fetches: Callable[[Most], tuple[int, ...]]) -> Entry:
-    return Entry(f"Bokeh{name}", LAYERS, COLORS[:textures], targets, layers=True, fetches=fetches)
+def _layer_polygon(word: str, sides: int) -> tuple[Entry, ...]:
+    """Return the passes that blur the layers, two for both layers if `sides` is in BOTH, else two for each layer.
+
+    The layer CoC has a slot of its own, the fifth of the second pass.
+    """
+    stem, between = f"Bokeh{word.capitalize()}", sides // 2 - 1
+    if sides in BOTH:
+        return (
+            Entry(f"{stem}LayerFirst", FIRST, COLORS[:5], 2 * between, sides, layers=True),
+            Entry(f"{stem}LayerSecond", SECOND, (*COLORS[: 2 * between], COLORS[4]), 2, sides, layers=True),
+        )
+    return tuple(
+        entry
+        for layer, given in ONE_LAYER.items()
+        for entry in (
+            Entry(f"{stem}{layer}First", FIRST, COLORS[:3], between, sides, layers=True, given=given),
+            Entry(f"{stem}{layer}Second", SECOND, (*COLORS[:between], COLORS[4]), 1, sides, layers=True, given=given),
+        )
+    )
+
+
+def _layers(name: str, textures: int, targets: int, fetches: Callable[[Most], tuple[int, ...]], **given: str) -> Entry:
+    return Entry(f"Bokeh{name}", LAYERS, COLORS[:textures], targets, layers=True, given=given, fetches=fetches)
 
 
 _SEVERAL = (
@@ -118,14 +134,18 @@ _ALL = (
     Entry("BokehLateralColor", LATERAL, COLORS[:1]),
     # bokeh_layers
     _layers("TileMax", 1, 1, lambda most: (8 * 8,)),
-    _layers("TileDilate", 1, 1, lambda most: (most.along,)),
+    _layers("TileDilateRows", 1, 1, lambda most: (most.along,), axis="vec2(1.0, 0.0)"),
+    _layers("TileDilateColumns", 1, 1, lambda most: (most.along,), axis="vec2(0.0, 1.0)"),
     *_SEVERAL,
-    *(entry for word, sides in EXACT.items() for entry in _polygon(word, sides, layers=True)),
+    *(entry for word, sides in EXACT.items() for entry in _layer_polygon(word, sides)),
     _layers("Composite", 6, 1, lambda most: (2 + 2 * most.layer + most.gather,)),
     # the same passes for one target at a time
     *(Entry(f"{entry.name}One", LAYERS, entry.textures, layers=True, whole=entry.name) for entry in _SEVERAL),
-    Entry("BokehLayerEdge", EDGE, COLORS[:3], layers=True),
-    Entry("BokehLayerSecondOne", SECOND, COLORS[:5], layers=True),
+    *(Entry(f"Bokeh{layer}Edge", EDGE, COLORS[:3], layers=True, given=given) for layer, given in ONE_LAYER.items()),
+    *(
+        Entry(f"Bokeh{layer}SecondOne", SECOND, COLORS[:5], layers=True, given=given)
+        for layer, given in ONE_LAYER.items()
+    ),
 )
 ENTRIES = {entry.name: entry for entry in _ALL}
 # Roles with a number of samples that is fixed by BOKEH_PAPER_SAMPLES

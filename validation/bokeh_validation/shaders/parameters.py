@@ -76,8 +76,6 @@ BLOCK = {
     "BokehPassIndex": Parameter(
         0.0, "", "passes Adaptive and AdaptiveFinal: number of the line pass, for the noise; needs `BOKEH_JITTER`"
     ),
-    "BokehAxis": Parameter(0.0, "", "pass TileDilate: direction of the search; 0 along rows, 1 along columns"),
-    "BokehLayer": Parameter(0.0, "", "passes of layered that draw a single layer: 0 near, 1 far"),
     "BokehCatsEye": Parameter(
         0.0, "", "fraction of the bokeh that is cut off in the corners, 0 to 0.9; needs `BOKEH_LENS_SHAPE`"
     ),

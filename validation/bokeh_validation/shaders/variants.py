@@ -44,11 +44,11 @@ UNKNOWN_TO = {"half": ("mesa", "tint")}
 # Entries that are compiled with the switches: one of each kind, and the longest programs of shader model 3
 SWITCHED = (
     "CoCMap SignedCoCMap AdaptiveFinal NaiveGather OctagonFirst DecagonFirst DecagonSecond ExactEdge StableMap "
-    "LateralColor TileDilate Prefilter HoleFill DecagonLayerSecond Composite"
+    "LateralColor TileDilateRows Prefilter HoleFill DecagonNearSecond Composite"
 )
 # Combinations that exceed shader model 3: a cat's eye fits only exact polygons with several targets, and a viewport
 # does not fit the last pass of layered
-NO_ROOM = {"lens": ("ExactEdge", "Layer", "HoleFill", "Composite"), "viewport": ("Composite",)}
+NO_ROOM = {"lens": ("ExactEdge", "Layer", "Near", "Far", "HoleFill", "Composite"), "viewport": ("Composite",)}
 
 # Language, profile, main compilers (those that users of the language have), other compilers.
 VARIANTS = (

@@ -39,8 +39,6 @@
 #define BokehTextureWidth m_TextureWidth
 #define BokehTextureHeight m_TextureHeight
 #define BokehPassIndex m_PassIndex
-#define BokehAxis m_Axis
-#define BokehLayer m_Layer
 #define BokehCatsEye m_CatsEye
 #define BokehRoundness m_Roundness
 #define BokehLateral m_Lateral

@@ -39,8 +39,6 @@
     Each(TextureWidth, 1.0f) \
     Each(TextureHeight, 1.0f) \
     Each(PassIndex, 0.0f) \
-    Each(Axis, 0.0f) \
-    Each(Layer, 0.0f) \
     Each(CatsEye, 0.0f) \
     Each(Roundness, 1.0f) \
     Each(Lateral, 0.0f) \

@@ -153,8 +153,6 @@ struct FBokehOwn
 {
     float Angle = 0.0f;
     float Sides = 0.0f;
-    float Axis = 0.0f;
-    float Layer = 0.0f;
 };
 
 // Describes a pass.
@@ -222,8 +220,6 @@ struct FBokehPasses
         FBokehParameters* Given = Parameters();
         Given->BokehAngle = FMath::DegreesToRadians(Step.Own.Angle + SettingRotation.GetValueOnRenderThread());
         Given->BokehSides = Step.Own.Sides;
-        Given->BokehAxis = Step.Own.Axis;
-        Given->BokehLayer = Step.Own.Layer;
         TArray<FString> Reads, Writes;
         FString(Step.Reads).ParseIntoArray(Reads, TEXT(" "));
         FString(Step.Writes).ParseIntoArray(Writes, TEXT(" "));
