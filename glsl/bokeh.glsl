@@ -775,18 +775,18 @@ struct BokehTargets
 //   squeeze       width of the bokeh / its height
 BokehPolygon BokehMakePolygon(int sides, float rotation, float squeeze)
 {
-    vec2 halfTurn = BokehCosSin(3.14159265 / float(sides));
-    float edge = halfTurn.y;
+    vec2 halfStep = BokehCosSin(3.14159265 / float(sides));
+    float edge = halfStep.y;
     BokehPolygon polygon;
     polygon.sides = sides;
     polygon.axis = BokehCosSin(rotation);
     polygon.squeeze = squeeze;
     polygon.lengths = vec4(edge, edge, edge, edge);
     polygon.fifth = edge;
-    polygon.corner = halfTurn * 0.5;
-    polygon.mean = vec2(0.0, 0.5 * halfTurn.x * halfTurn.x / (edge * (0.5 * float(sides) -
+    polygon.corner = halfStep * 0.5;
+    polygon.mean = vec2(0.0, 0.5 * halfStep.x * halfStep.x / (edge * (0.5 * float(sides) -
         1.0)));
-    polygon.area = 0.25 * float(sides) * edge * halfTurn.x;
+    polygon.area = 0.25 * float(sides) * edge * halfStep.x;
     return polygon;
 }
 

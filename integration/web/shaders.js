@@ -258,17 +258,17 @@ vec4 strip4;
 vec4 strip5;
 };
 BokehPolygon BokehMakePolygon(int sides,float rotation,float squeeze){
-vec2 halfTurn=BokehCosSin(3.14159265/float(sides));
-float edge=halfTurn.y;
+vec2 halfStep=BokehCosSin(3.14159265/float(sides));
+float edge=halfStep.y;
 BokehPolygon polygon;
 polygon.sides=sides;
 polygon.axis=BokehCosSin(rotation);
 polygon.squeeze=squeeze;
 polygon.lengths=vec4(edge,edge,edge,edge);
 polygon.fifth=edge;
-polygon.corner=halfTurn*.5;
-polygon.mean=vec2(0.,.5*halfTurn.x*halfTurn.x/(edge*(.5*float(sides) -1.)));
-polygon.area=.25*float(sides)*edge*halfTurn.x;
+polygon.corner=halfStep*.5;
+polygon.mean=vec2(0.,.5*halfStep.x*halfStep.x/(edge*(.5*float(sides) -1.)));
+polygon.area=.25*float(sides)*edge*halfStep.x;
 return polygon;}
 vec2 BokehRotated(vec2 direction,vec2 axis){
 return vec2(direction.x*axis.x-direction.y*axis.y,direction.x*axis.y+direction.y*axis.x);}
@@ -1604,17 +1604,17 @@ sides:i32,axis:vec2f,squeeze:f32,lengths:vec4f,fifth:f32,corner:vec2f,mean:vec2f
 struct BokehTargets{
 strip2:vec4f,strip3:vec4f,strip4:vec4f,strip5:vec4f,}
 fn BokehMakePolygon(sides:i32,rotation:f32,squeeze:f32)->BokehPolygon{
-let halfTurn=BokehCosSin(3.14159265/f32(sides));
-let edge=halfTurn.y;
+let halfStep=BokehCosSin(3.14159265/f32(sides));
+let edge=halfStep.y;
 var polygon:BokehPolygon;
 polygon.sides=sides;
 polygon.axis=BokehCosSin(rotation);
 polygon.squeeze=squeeze;
 polygon.lengths=vec4f(edge,edge,edge,edge);
 polygon.fifth=edge;
-polygon.corner=halfTurn*.5;
-polygon.mean=vec2f(0.,.5*halfTurn.x*halfTurn.x/(edge*(.5*f32(sides) -1.)));
-polygon.area=.25*f32(sides)*edge*halfTurn.x;
+polygon.corner=halfStep*.5;
+polygon.mean=vec2f(0.,.5*halfStep.x*halfStep.x/(edge*(.5*f32(sides) -1.)));
+polygon.area=.25*f32(sides)*edge*halfStep.x;
 return polygon;}
 fn BokehRotated(direction:vec2f,axis:vec2f)->vec2f{
 return vec2f(direction.x*axis.x-direction.y*axis.y,direction.x*axis.y+direction.y*axis.x);}

@@ -324,18 +324,18 @@ strip5: vec4f,
 }
 fn BokehMakePolygon(sides: i32, rotation: f32, squeeze: f32) -> BokehPolygon
 {
-let halfTurn: vec2f = BokehCosSin(3.14159265 / f32(sides));
-let edge: f32 = halfTurn.y;
+let halfStep: vec2f = BokehCosSin(3.14159265 / f32(sides));
+let edge: f32 = halfStep.y;
 var polygon: BokehPolygon;
 polygon.sides = sides;
 polygon.axis = BokehCosSin(rotation);
 polygon.squeeze = squeeze;
 polygon.lengths = vec4f(edge, edge, edge, edge);
 polygon.fifth = edge;
-polygon.corner = halfTurn * 0.5;
-polygon.mean = vec2f(0.0, 0.5 * halfTurn.x * halfTurn.x / (edge * (0.5 * f32(sides) -
+polygon.corner = halfStep * 0.5;
+polygon.mean = vec2f(0.0, 0.5 * halfStep.x * halfStep.x / (edge * (0.5 * f32(sides) -
 1.0)));
-polygon.area = 0.25 * f32(sides) * edge * halfTurn.x;
+polygon.area = 0.25 * f32(sides) * edge * halfStep.x;
 return polygon;
 }
 fn BokehRotated(direction: vec2f, axis: vec2f) -> vec2f

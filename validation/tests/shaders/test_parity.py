@@ -50,7 +50,7 @@ def test_the_checkout_passes():
 HELPER = [f"{head}\n{{{{\n    return x;\n}}}}\n\n" for head in ("float {}(float x)", "fn {}(x: f32) -> f32")]
 # Description -> the change as mutated() takes it, for changes that test_hardly_a_token_can_go_unnoticed does not cover
 LIBRARY = {
-    "the spelling of a literal": "(0.0, [[0.5=>.5]] * halfTurn.x",
+    "the spelling of a literal": "(0.0, [[0.5=>.5]] * halfStep.x",
     "a macro of LOVE": "        [[safe=>number]] = min(value, maximum);",
     "a swizzle assigned": "        [[=>sum.rgb += weight; ]]sum = sum / samples;",
     "a default in the table": "//   BOKEH_MAX_COLOR          [[65504=>65500]].0",
