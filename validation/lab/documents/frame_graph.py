@@ -9,7 +9,7 @@ from bokeh_validation import paths
 
 FRAME = paths.ROOT / "integration/frames/layered-hexagon.json"
 # Lengths in pixels of the drawing
-LEFT, TOP, COLUMN, ROW, MARGIN = 150, 150, 52, 20, 40
+LEFT, TOP, COLUMN, ROW, MARGIN = 150, 165, 52, 20, 40
 # Scale of a target -> colour of its line; larger targets are darker
 COLORS = {1: "#1b3a5c", 2: "#2f7d6d", 4: "#c77d1e", 8: "#a04668"}
 STYLE = (
