@@ -190,7 +190,7 @@ def test_unity_presets():
     """
     shader = text(SHADERS["unity"])
     (keywords,) = re.findall(r"#pragma shader_feature_local_fragment _ (.*)", shader)
-    assert "multi_compile" not in shader and shader.count("#pragma fragment") == len(copies.drawn()) == 31
+    assert "multi_compile" not in shader and shader.count("#pragma fragment") == len(copies.drawn()) == 36
     guid = re.search("^guid: (.*)$", text(SHADERS["unity"].with_name("BokehDepthOfField.shader.meta")), re.MULTILINE)[1]
     actual = {}
     for path in (UNITY / "Materials").glob("*.mat"):
