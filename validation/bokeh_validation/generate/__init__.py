@@ -330,7 +330,7 @@ def _section(planned: dict) -> Iterator[str]:
 
 
 def _values(named: dict) -> str:
-    """Format parameters such as 'BokehAxis 1, BokehLayer 0'."""
+    """Format parameters such as 'BokehAngle 0.524, BokehPassIndex 1'."""
     return ", ".join(f"{name} {value:g}" for name, value in named.items())
 
 
